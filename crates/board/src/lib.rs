@@ -1,0 +1,92 @@
+//! The electrical boundary of the drive: what its firmware measures and what it commands.
+//!
+//! On a board, [`Sensors`] come from ADC and GPIO and [`Actuators`] go to PWM and GPIO; on a PC both are a simulation's. The firmware
+//! core cannot tell which. Quantities are newtypes, so that no two units mix.
+#![no_std]
+#![forbid(unsafe_code)]
+
+/// A span of time in nanoseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Nanos(pub u64);
+
+/// The period of the firmware's control tick: 50 us, the unit of objects 0x200A and 0x204B (manual 2.2.10, 2.2.24).
+pub const TICK: Nanos = Nanos(50_000);
+
+/// Ticks a second.
+pub const TICKS_PER_SECOND: u32 = (1_000_000_000 / TICK.0) as u32;
+
+/// An electric current.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Milliamps(pub i32);
+
+/// A voltage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Millivolts(pub i32);
+
+/// An angle within one electrical period of the motor, in 2^-32 periods; it wraps as angles do.
+///
+/// One electrical period is four full steps; a 1.8 degree motor has 50 of them a turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ElectricalAngle(pub u32);
+
+/// Electrical periods in one turn of the motor: 50, the pole pairs of a 1.8 degree hybrid stepper.
+pub const ELECTRICAL_PERIODS_PER_TURN: u32 = 50;
+
+/// Number of digital inputs (manual 1.3).
+pub const INPUT_COUNT: usize = 6;
+
+/// Number of digital outputs (manual 1.3).
+pub const OUTPUT_COUNT: usize = 2;
+
+/// Which opto-couplers of IN1 to IN6 carry current: bit 0 is IN1.
+///
+/// This is the electrical level, before filter (0x204B) and polarity (0x2008).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputLevels(pub u8);
+
+impl InputLevels {
+    /// Whether the input `number`, counted from 1 as on the terminal block, carries current.
+    pub fn is_on(self, number: usize) -> bool {
+        debug_assert!((1..=INPUT_COUNT).contains(&number));
+        self.0 >> (number - 1) & 1 == 1
+    }
+}
+
+/// Which output transistors of OUT1 and OUT2 conduct: bit 0 is OUT1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OutputLevels(pub u8);
+
+/// What the firmware measures at the start of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sensors {
+    /// The six digital inputs.
+    pub inputs: InputLevels,
+    /// The supply at the power stage.
+    pub bus_voltage: Millivolts,
+    /// Currents in winding A and winding B.
+    pub phase_currents: [Milliamps; 2],
+}
+
+/// What the firmware commands at the end of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Actuators {
+    /// The power stage.
+    pub stage: PowerStage,
+    /// The two digital outputs.
+    pub outputs: OutputLevels,
+}
+
+/// The command to the power stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PowerStage {
+    /// All transistors off: no current, the shaft is free.
+    #[default]
+    Off,
+    /// A current vector in the windings: winding A carries `amplitude * cos(angle)`, winding B `amplitude * sin(angle)`.
+    Field {
+        /// The vector's direction, which the rotor follows.
+        angle: ElectricalAngle,
+        /// The peak of the sinusoidal phase current.
+        amplitude: Milliamps,
+    },
+}

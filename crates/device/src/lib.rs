@@ -1,0 +1,3 @@
+//! device
+#![no_std]
+#![forbid(unsafe_code)]

@@ -1,0 +1,3 @@
+//! d
+#![no_std]
+#![forbid(unsafe_code)]

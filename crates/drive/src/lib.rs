@@ -1,0 +1,3 @@
+//! drive
+#![no_std]
+#![forbid(unsafe_code)]

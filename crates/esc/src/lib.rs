@@ -1,0 +1,3 @@
+//! esc
+#![no_std]
+#![forbid(unsafe_code)]

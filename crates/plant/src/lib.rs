@@ -1,0 +1,3 @@
+//! plant
+#![no_std]
+#![forbid(unsafe_code)]

@@ -1,0 +1,3 @@
+//! slave
+#![no_std]
+#![forbid(unsafe_code)]

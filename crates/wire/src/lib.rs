@@ -1,0 +1,28 @@
+//! What crosses an EtherCAT wire, as codecs without state, and the contract between slave controller and slave stack.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`access`] | [`EscAccess`]: how a slave stack reaches its slave controller |
+//! | [`al`] | states, control, status and status codes of the application layer |
+//! | [`register`] | addresses and bits of the slave controller's registers |
+//!
+//! Nothing here knows what kind of device is behind the wire.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod access;
+pub mod al;
+pub mod register;
+
+pub use access::{AlEvents, EscAccess};
+
+/// An instant of bus time in nanoseconds since an arbitrary start; only differences matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Nanos(pub u64);
+
+impl Nanos {
+    /// The time from `earlier` to this instant; zero when `earlier` is later.
+    pub const fn since(self, earlier: Self) -> u64 {
+        self.0.saturating_sub(earlier.0)
+    }
+}
