@@ -1,3 +1,156 @@
-//! plant
+//! What hangs on the drive's terminals, as a simulation: motor, travel, switches, supply.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`rotor`] | [`Rotor`]: the shaft, which follows the commanded field with a lag of first order |
+//! | [`travel`] | [`Travel`]: the axis with its end stops, two limit switches and a home switch |
+//!
+//! [`Plant::step`] takes one control tick. It holds no clock and no randomness: the same actuator commands give the same sensor values,
+//! bit for bit, on every machine.
 #![no_std]
 #![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod rotor;
+pub mod travel;
+
+use board::{Actuators, InputLevels, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+pub use rotor::{Rotor, Turns};
+pub use travel::{Switches, Travel};
+
+/// What a plant is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlantConfig {
+    /// The axis the motor moves.
+    pub travel: Travel,
+    /// Where the axis stands at power-on.
+    pub start: Turns,
+    /// Which terminal each switch is wired to.
+    pub wiring: Wiring,
+    /// Voltage of the supply.
+    pub supply: Millivolts,
+}
+
+impl Default for PlantConfig {
+    fn default() -> Self {
+        Self {
+            travel: Travel::default(),
+            start: Turns(0.0),
+            wiring: Wiring::default(),
+            supply: Millivolts(36_000),
+        }
+    }
+}
+
+/// Which input terminal, 1 to 6, each switch of the axis is wired to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wiring {
+    /// Terminal of the switch at the positive end.
+    pub positive_limit: usize,
+    /// Terminal of the switch at the negative end.
+    pub negative_limit: usize,
+    /// Terminal of the home switch.
+    pub home: usize,
+}
+
+impl Default for Wiring {
+    /// As the drive's inputs are assigned at delivery (manual 2.2.7).
+    fn default() -> Self {
+        Self {
+            positive_limit: 3,
+            negative_limit: 4,
+            home: 5,
+        }
+    }
+}
+
+/// Motor, axis, switches and supply of one drive.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    config: PlantConfig,
+    rotor: Rotor,
+    /// Input terminals somebody holds on by hand, as a wire or a push-button would.
+    held_on: InputLevels,
+    outputs: OutputLevels,
+    phase_currents: [Milliamps; 2],
+}
+
+impl Plant {
+    /// A plant at rest, its shaft at the configured start.
+    pub fn new(config: PlantConfig) -> Self {
+        let rotor = Rotor::new(config.start);
+        Self {
+            config,
+            rotor,
+            held_on: InputLevels(0),
+            outputs: OutputLevels(0),
+            phase_currents: [Milliamps(0); 2],
+        }
+    }
+
+    /// Lets one tick (50 us) pass under the given commands and returns what the sensors read at its end.
+    pub fn step(&mut self, actuators: &Actuators) -> Sensors {
+        self.outputs = actuators.outputs;
+        match actuators.stage {
+            PowerStage::Off => self.phase_currents = [Milliamps(0); 2],
+            PowerStage::Field { angle, amplitude } => {
+                self.rotor.follow(angle, amplitude);
+                self.phase_currents = rotor::phase_currents(angle, amplitude);
+            }
+        }
+        self.rotor.stop_at(self.config.travel.stops);
+        self.sensors()
+    }
+
+    /// What the sensors read now.
+    pub fn sensors(&self) -> Sensors {
+        let Wiring {
+            positive_limit,
+            negative_limit,
+            home,
+        } = self.config.wiring;
+        let switches = self.switches();
+        let mut inputs = self.held_on.0;
+        for (terminal, on) in [
+            (positive_limit, switches.positive_limit),
+            (negative_limit, switches.negative_limit),
+            (home, switches.home),
+        ] {
+            if on && (1..=board::INPUT_COUNT).contains(&terminal) {
+                inputs |= 1 << (terminal - 1);
+            }
+        }
+        Sensors {
+            inputs: InputLevels(inputs),
+            bus_voltage: self.config.supply,
+            phase_currents: self.phase_currents,
+        }
+    }
+
+    /// Where the shaft really is, which an open-loop drive cannot know.
+    pub fn shaft(&self) -> Turns {
+        self.rotor.position()
+    }
+
+    /// The switches of the axis.
+    pub fn switches(&self) -> Switches {
+        self.config.travel.switches(self.rotor.position())
+    }
+
+    /// The outputs as the drive last set them.
+    pub fn outputs(&self) -> OutputLevels {
+        self.outputs
+    }
+
+    /// Holds input terminals on by hand, beside what the switches do.
+    pub fn hold_inputs(&mut self, held_on: InputLevels) {
+        self.held_on = held_on;
+    }
+
+    /// Moves the axis by hand; with the power stage on, the shaft then locks into the nearest electrical period.
+    pub fn place(&mut self, position: Turns) {
+        self.rotor = Rotor::new(position);
+    }
+}
