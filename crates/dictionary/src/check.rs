@@ -2,13 +2,13 @@
 
 use crate::Entry;
 
-/// Whether two entries of a table do not fit together, and why: out of order, a sub-index left out, or two names for one object.
+/// Whether two entries of a table do not fit together, and why: out of order, twice the same, or an object that starts in its middle.
 const fn misfit(previous: &Entry, next: &Entry) -> Option<&'static str> {
     if next.index < previous.index {
         return Some("objects must be sorted by index");
     }
-    if next.index == previous.index && next.sub != previous.sub + 1 {
-        return Some("sub-indices of an object must follow one another");
+    if next.index == previous.index && next.sub <= previous.sub {
+        return Some("sub-indices of an object must be sorted");
     }
     if next.index > previous.index && next.sub > 1 {
         return Some("an object starts at sub-index 0 or 1");
@@ -16,7 +16,7 @@ const fn misfit(previous: &Entry, next: &Entry) -> Option<&'static str> {
     None
 }
 
-/// Panics, at compile time, if `entries` is no valid table: order, uniqueness, sub-indices without gaps, defaults in range.
+/// Panics, at compile time, if `entries` is no valid table: order, uniqueness, defaults in range.
 pub const fn assert_table(entries: &[Entry]) {
     let mut i = 0;
     while i < entries.len() {

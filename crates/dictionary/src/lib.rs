@@ -5,7 +5,7 @@
 //! | [`entry`] | [`Entry`], [`DataType`], [`Access`]: what is known of an object before anybody reads it |
 //! | [`abort`] | [`AbortCode`]: why an access was refused |
 //! | [`value`] | [`Value`]: Rust types that an object can have, and their bytes |
-//! | [`lookup`] | finding an entry by index and sub-index, walking a dictionary object by object |
+//! | [`mod@lookup`] | finding an entry by index and sub-index, walking a dictionary object by object |
 //! | [`check`] | what is verified of a table at compile time |
 //! | [`table`] | [`object_dictionary!`], which turns rows into a struct of typed fields and its entries |
 //!

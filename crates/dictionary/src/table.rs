@@ -7,7 +7,7 @@
 /// sub-indices name the object after `of`; their sub-index 0 is derived. A row without a range takes the whole range of its type.
 ///
 /// The macro makes `new`, `ENTRIES`, an implementation of [`Objects`](crate::Objects) that checks lengths and ranges, and a module of
-/// slots, one constant a field. Order, uniqueness, gaps and defaults are checked at compile time.
+/// slots, one constant a field. Order, uniqueness and defaults are checked at compile time.
 ///
 /// ```
 /// dictionary::object_dictionary! {

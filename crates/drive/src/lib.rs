@@ -1,3 +1,43 @@
-//! drive
+//! The firmware core of the USR2556E: from objects and measurements to the command to the power stage, every 50 us.
+//!
+//! [`Drive::tick`] falls through these modules from top to bottom:
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`objects`] | the object table: every manufacturer's and profile object with its typed field |
+//! | [`inputs`] | digital inputs: filter, polarity, function |
+//! | [`faults`] | faults and their codes |
+//! | [`controlword`] | 0x6040: commands, mode bits, edges |
+//! | [`power_state`] | the CiA 402 power state machine as a pure function |
+//! | `power_control` | what moves that machine: commands, option codes, network, emergency stop |
+//! | `modes` | PP, PV, homing and CSP |
+//! | [`homing`] | the homing methods as tables and their interpreter |
+//! | [`profile`] | trapezoids, interpolation and filter in exact integers |
+//! | `motion` | the commanded axis: profile, filter and position counter |
+//! | `power_stage` | current and direction of the field |
+//! | `outputs` | digital outputs: function and polarity |
+//! | [`statusword`] | 0x6041 |
+//!
+//! Nothing here reads a clock, blocks or fails: a tick takes bounded time, and whatever a master writes has a defined effect.
 #![no_std]
 #![forbid(unsafe_code)]
+
+pub mod controlword;
+mod drive;
+pub mod faults;
+pub mod homing;
+pub mod inputs;
+mod modes;
+mod motion;
+pub mod objects;
+mod outputs;
+mod power_control;
+mod power_stage;
+pub mod power_state;
+pub mod profile;
+pub mod statusword;
+
+pub use drive::Drive;
+pub use modes::Mode;
+pub use objects::{DriveObjects, slots};
+pub use power_state::PowerState;

@@ -1,3 +1,53 @@
-//! esc
+//! An EtherCAT slave controller of the ET1100's class in software: 8 FMMUs, 8 sync managers, 8 kB of process memory, 64-bit distributed
+//! clocks, two ports. Frames come in on one side ([`Segment::process`]), the slave stack works on the other ([`wire::EscAccess`]).
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`segment`] | [`Segment`]: a line of chips, through which a frame passes |
+//! | [`chip`] | [`Chip`]: the parts together, power-on, passing of time, one frame through one chip |
+//! | `datagram` | one datagram on one chip: addressing, working counter |
+//! | `ecat` | the bus side's access to registers and memory, byte for byte |
+//! | `pdi` | the slave stack's access to registers and memory |
+//! | `logical` | datagrams with logical addresses, through the FMMUs |
+//! | `fmmu` | the FMMUs' settings and their arithmetic of bits |
+//! | `memory` | which part of the chip an address belongs to |
+//! | `sync_manager` | guarded buffers: three-buffer exchange and mailbox |
+//! | `registers` | the register file, its access rights, and the shadow of writes that wait for the frame's end |
+//! | `commit` | what written registers do at the frame's end |
+//! | `live` | registers whose value is computed when they are read |
+//! | `event` | the AL event request, on the slave stack's time |
+//! | `eeprom` | the SII EEPROM and its interface |
+//! | `watchdog` | process data and PDI watchdog |
+//! | `clock` | the local clock and the loop that makes it follow the reference clock |
+//! | `sync_signal` | SYNC0 and SYNC1 |
+//!
+//! Not there yet: reset by 0x0040, rings and circulating frames, loop control (0x0101 is stored only), latch units, the physical
+//! read/write offset (0x0108), UDP encapsulation.
 #![no_std]
 #![forbid(unsafe_code)]
+
+pub mod chip;
+pub mod segment;
+
+mod clock;
+mod commit;
+mod datagram;
+mod ecat;
+mod eeprom;
+mod event;
+mod fmmu;
+mod live;
+mod logical;
+mod memory;
+mod pdi;
+mod registers;
+mod sync_manager;
+mod sync_signal;
+mod watchdog;
+
+pub use chip::{Chip, ChipConfig};
+pub use eeprom::EEPROM_SIZE;
+pub use segment::{Processed, Segment};
+
+#[cfg(test)]
+mod robustness;

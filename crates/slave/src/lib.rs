@@ -1,3 +1,51 @@
-//! slave
+//! An EtherCAT slave stack over any slave controller ([`wire::EscAccess`]) and any object dictionary ([`dictionary::Objects`]).
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`stack`] | [`Slave`]: what [`Slave::poll`] does with the chip's events, and in which order |
+//! | [`configuration`] | [`Configuration`]: what makes a device of the stack |
+//! | [`application`] | [`Application`]: what the stack asks of the device |
+//! | [`esm`] | the EtherCAT state machine as a total function of status and request |
+//! | `transitions` | the checked steps of each change of state |
+//! | `supervision` | what makes the stack leave a state by itself |
+//! | `sync_managers` | sync managers 0 to 3 and what is required of them |
+//! | `mailbox` | receiving, answering, counting and repeating mailbox messages |
+//! | `coe` | which CoE service a message is for |
+//! | `sdo` | the SDO server: uploads and downloads, expedited, normal and segmented |
+//! | [`objects`] | the table of objects 0x1000 to 0x1FFF |
+//! | `communication_area` | the values of these objects |
+//! | `device_objects` | both dictionaries as one, with access rights by state |
+//! | `sync_parameters` | 0x1C32 and 0x1C33 |
+//! | `pdo` | PDO mapping and assignment, and the process image made from them |
+//! | `process_data` | sync manager 2 to objects, objects to sync manager 3 |
+//! | `synchronization` | free run, sync manager and SYNC0: choice, sequence check, cycle time |
+//!
+//! The stack knows nothing of the device it is part of; time comes in as an argument.
 #![no_std]
 #![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod application;
+mod coe;
+mod communication_area;
+pub mod configuration;
+mod device_objects;
+pub mod esm;
+mod mailbox;
+pub mod objects;
+mod pdo;
+mod process_data;
+mod sdo;
+pub mod stack;
+mod supervision;
+mod sync_managers;
+mod sync_parameters;
+mod synchronization;
+mod transitions;
+
+pub use application::Application;
+pub use configuration::{Configuration, Identity, MAX_MAILBOX, MAX_OBJECT_SIZE, MAX_PROCESS_DATA, MailboxLimits};
+pub use objects::{MAX_MAPPING_ENTRIES, PDOS_PER_DIRECTION};
+pub use stack::{Report, Slave, Sync};

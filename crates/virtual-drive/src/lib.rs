@@ -1,1 +1,41 @@
-//! usr2556e
+//! A USR2556E EtherCAT stepper drive as software: the drive's firmware with a slave controller, a motor and a wire around it.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`drive`] | [`drive::VirtualDrive`]: slave controller, device and plant on one time line |
+//! | [`segment`] | drives in a line; [`segment::InMemory`], a wire that ends in this process |
+//! | [`clock`] | real time and lock-step |
+//! | [`link`] | wires: the trait, raw Ethernet on an interface, captures |
+//! | [`server`] | serving a segment to whatever master is on a link |
+//! | [`namespace`] | a network of one's own without root |
+//! | [`master`] | the built-in master |
+//! | [`demo`] | the demonstration |
+//! | [`esi`] | the device description for engineering tools |
+//! | [`eeprom_folder`] | EEPROM contents that outlast the program |
+//! | [`status`] | status lines |
+//! | [`program`] | the command line |
+//!
+//! A test of one's own needs [`segment::VirtualSegment`] and [`segment::InMemory`], and no privileges:
+//!
+//! ```
+//! use usr2556e::clock::Clock;
+//! use usr2556e::master;
+//! use usr2556e::segment::{InMemory, VirtualSegment};
+//!
+//! let mut wire = InMemory::new(VirtualSegment::of(2), Clock::lock_step());
+//! let found = master::run(&mut wire, async |main, pace| master::bring_up::scan(main, pace).await.map(|group| group.len()));
+//! assert_eq!(found.unwrap().unwrap(), 2);
+//! ```
+
+pub mod clock;
+pub mod demo;
+pub mod drive;
+pub mod eeprom_folder;
+pub mod esi;
+pub mod link;
+pub mod master;
+pub mod namespace;
+pub mod program;
+pub mod segment;
+pub mod server;
+pub mod status;

@@ -1,2 +1,7 @@
-//! usr2556e
-fn main() {}
+//! The program; everything is in the library.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    usr2556e::program::run()
+}

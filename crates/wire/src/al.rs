@@ -116,6 +116,8 @@ pub enum AlStatusCode {
     InvalidInputMapping = 0x0024,
     /// The RxPDO mapping is invalid.
     InvalidOutputMapping = 0x0025,
+    /// Free run needs three buffers for the process data.
+    FreeRunNeedsThreeBuffers = 0x0029,
     /// SYNC0 stopped in OP.
     FatalSyncError = 0x002C,
     /// SYNC0 never came.

@@ -4,7 +4,11 @@
 //! |---|---|
 //! | [`access`] | [`EscAccess`]: how a slave stack reaches its slave controller |
 //! | [`al`] | states, control, status and status codes of the application layer |
+//! | [`coe`] | the CoE header and SDO services |
+//! | [`frame`] | Ethernet frames, the EtherCAT header, datagrams and their commands |
+//! | [`mailbox`] | the mailbox header and mailbox errors |
 //! | [`register`] | addresses and bits of the slave controller's registers |
+//! | [`sii`] | layout and checksum of the EEPROM image, and a writer for it |
 //!
 //! Nothing here knows what kind of device is behind the wire.
 #![no_std]
@@ -12,7 +16,11 @@
 
 pub mod access;
 pub mod al;
+pub mod coe;
+pub mod frame;
+pub mod mailbox;
 pub mod register;
+pub mod sii;
 
 pub use access::{AlEvents, EscAccess};
 

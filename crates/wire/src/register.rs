@@ -42,6 +42,8 @@ pub const PDI_CONTROL: u16 = 0x0140;
 pub const ESC_CONFIGURATION: u16 = 0x0141;
 /// PDI configuration (u16), from SII word 1.
 pub const PDI_CONFIGURATION: u16 = 0x0150;
+/// SYNC and latch configuration (u8), the upper half of SII word 1: bits 3 and 7 report SYNC0 and SYNC1 as AL events.
+pub const SYNC_LATCH_CONFIGURATION: u16 = 0x0151;
 /// Extended PDI configuration (u16), from SII word 3.
 pub const EXTENDED_PDI_CONFIGURATION: u16 = 0x0152;
 /// ECAT event mask (u16).
@@ -60,6 +62,8 @@ pub const FORWARDED_ERROR_COUNTERS: u16 = 0x0308;
 pub const PROCESSING_ERROR_COUNTER: u16 = 0x030C;
 /// PDI error counter (u8).
 pub const PDI_ERROR_COUNTER: u16 = 0x030D;
+/// PDI error code (u8).
+pub const PDI_ERROR_CODE: u16 = 0x030E;
 /// Lost link counters (4 x u8).
 pub const LOST_LINK_COUNTERS: u16 = 0x0310;
 /// Watchdog divider (u16): a watchdog tick is (divider + 2) x 40 ns.
@@ -147,6 +151,12 @@ pub mod dc_activation {
     pub const SYNC1: u8 = 1 << 2;
     /// Writing the start time activates cyclic operation.
     pub const AUTO: u8 = 1 << 3;
+    /// A start time written with 32 bits is extended to 64.
+    pub const EXTEND_START: u8 = 1 << 4;
+    /// A start time that is not in the near future starts cyclic operation at once.
+    pub const PLAUSIBILITY: u8 = 1 << 5;
+    /// The near future is 2^31 ns instead of half the width of the clock.
+    pub const NEAR_FUTURE: u8 = 1 << 6;
 }
 
 /// Offsets and bits within a sync manager's eight bytes.
@@ -176,8 +186,16 @@ pub mod sync_manager {
     pub const DIRECTION_WRITE: u8 = 0b0100;
     /// The slave writes, the master reads.
     pub const DIRECTION_READ: u8 = 0b0000;
+    /// Bit 4 of control: the slave's accesses show in the ECAT event request.
+    pub const CONTROL_ECAT_EVENT: u8 = 1 << 4;
+    /// Bit 5 of control: the master's accesses show in the AL event request.
+    pub const CONTROL_AL_EVENT: u8 = 1 << 5;
     /// Bit 6 of control: a completed write triggers the process data watchdog.
     pub const CONTROL_WATCHDOG: u8 = 1 << 6;
+    /// Bit 0 of status: the buffer was written, and nothing of it read since.
+    pub const STATUS_WRITTEN: u8 = 1 << 0;
+    /// Bit 1 of status: the buffer was read, and nothing written to it since.
+    pub const STATUS_READ: u8 = 1 << 1;
     /// Bit 3 of status: the mailbox is full.
     pub const STATUS_FULL: u8 = 1 << 3;
     /// Bit 0 of activate: enabled by the master.

@@ -1,0 +1,70 @@
+//! What the slave stack asks of the drive.
+
+use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects};
+use drive::{Drive, DriveObjects};
+
+/// The drive's objects, guarded by the drive's present state.
+pub(crate) struct Application<'a> {
+    pub(crate) drive: &'a Drive,
+    pub(crate) objects: &'a mut DriveObjects,
+}
+
+impl Objects for Application<'_> {
+    fn entries(&self) -> &'static [Entry] {
+        DriveObjects::ENTRIES
+    }
+
+    fn load(&self, slot: usize, out: &mut [u8; MAX_VALUE_SIZE]) -> usize {
+        self.objects.load(slot, out)
+    }
+
+    fn store(&mut self, slot: usize, data: &[u8]) -> Result<(), AbortCode> {
+        self.drive.check_write(self.objects, slot, data)?;
+        self.objects.store(slot, data)
+    }
+}
+
+impl slave::Application for Application<'_> {
+    fn error_register(&self) -> u8 {
+        error_register(self.objects.error_code)
+    }
+
+    fn store_parameters(&mut self) -> Result<(), AbortCode> {
+        self.refuse_while_moving()?;
+        // There is no memory behind 0x1010 yet; a drive whose memory fails answers the same.
+        Err(AbortCode::CannotStore)
+    }
+
+    fn restore_defaults(&mut self) -> Result<(), AbortCode> {
+        self.refuse_while_moving()?;
+        Err(AbortCode::CannotStore)
+    }
+}
+
+impl Application<'_> {
+    /// Parameters are saved and restored at standstill only (manual 2.1.5, 2.1.6).
+    fn refuse_while_moving(&self) -> Result<(), AbortCode> {
+        if self.drive.is_moving() {
+            Err(AbortCode::DeviceState)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+/// The error register (0x1001, CiA 301) while the fault `code` (0x603F) is active.
+const fn error_register(code: u16) -> u8 {
+    const GENERIC: u8 = 1 << 0;
+    const CURRENT: u8 = 1 << 1;
+    const VOLTAGE: u8 = 1 << 2;
+    const COMMUNICATION: u8 = 1 << 4;
+    const PROFILE: u8 = 1 << 5;
+    match code {
+        0 => 0,
+        0x2000..=0x2FFF => GENERIC | CURRENT,
+        0x3000..=0x3FFF => GENERIC | VOLTAGE,
+        0x7500 => GENERIC | COMMUNICATION,
+        0x8600..=0x8FFF => GENERIC | PROFILE,
+        _ => GENERIC,
+    }
+}

@@ -1,0 +1,269 @@
+//! The drive as a whole: one tick from sensors and objects to actuators.
+
+use board::{Actuators, Milliamps, Nanos, PowerStage, Sensors};
+use dictionary::AbortCode;
+
+use crate::controlword::{Controlword, StartEdge};
+use crate::faults::{Fault, Faults};
+use crate::inputs::{Inputs, Signals};
+use crate::modes::{Context, Mode, Modes};
+use crate::motion::Motion;
+use crate::objects::{DriveObjects, slots};
+use crate::outputs::{self, Indications};
+use crate::power_control::{Activity, PowerControl, Situation, Stop};
+use crate::power_stage::{Current, Field};
+use crate::power_state::PowerState;
+use crate::profile::{Acceleration, Position, Speed};
+use crate::statusword::{self, TARGET_REACHED, flag};
+
+/// The firmware core.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    operational: bool,
+    inputs: Inputs,
+    signals: Signals,
+    faults: Faults,
+    power: PowerControl,
+    start_edge: StartEdge,
+    modes: Modes,
+    motion: Motion,
+    current: Current,
+    field: Field,
+}
+
+impl Drive {
+    /// A drive at power-up.
+    pub fn new() -> Self {
+        Self {
+            operational: false,
+            inputs: Inputs::default(),
+            signals: Signals::default(),
+            faults: Faults::default(),
+            power: PowerControl::new(),
+            start_edge: StartEdge::default(),
+            modes: Modes::new(),
+            motion: Motion::new(),
+            current: Current::default(),
+            field: Field::new(),
+        }
+    }
+
+    /// One control tick, every [`board::TICK`]: reads the measurements and the writable objects, sets the others, commands the board.
+    pub fn tick(&mut self, sensors: &Sensors, objects: &mut DriveObjects) -> Actuators {
+        let cleared_before = self.signals.fault_clear;
+        self.signals = self.inputs.tick(sensors.inputs, objects);
+        self.modes.count_tick();
+        self.modes.select(objects.mode);
+        self.motion.set_filter_time(objects.filter_time);
+        let controlword = Controlword(objects.controlword);
+        self.start_edge.observe(controlword);
+
+        let fault_clear = self.signals.fault_clear && !cleared_before;
+        let activity = self.control_power(sensors, controlword, fault_clear, objects);
+        let mode_bits = self.act(activity, controlword, objects);
+        self.clear_position(objects);
+
+        let stage = self.drive_stage(activity, objects);
+        let indications = Indications {
+            alarm: self.power.state().is_faulty(),
+            brake_open: self.current.is_locked(),
+            in_place: self.is_in_place(mode_bits),
+        };
+        let outputs = outputs::levels(indications, objects);
+        objects.output_level = outputs::output_level(outputs);
+        self.publish(sensors, mode_bits, objects);
+        Actuators { stage, outputs }
+    }
+
+    /// The instant of synchronisation, SYNC0 or the arrival of outputs, before the tick that follows it: CSP takes its target from
+    /// 0x607A. `cycle` is the nominal time to the next one; if it is not known, the time since the last one counts.
+    pub fn synchronize(&mut self, objects: &DriveObjects, cycle: Option<Nanos>) {
+        self.modes.synchronize(objects.target_position, cycle);
+    }
+
+    /// Whether the AL state is OP. Leaving OP while the motor is enabled is a fault.
+    pub const fn set_network(&mut self, operational: bool) {
+        self.operational = operational;
+    }
+
+    /// Whether the present state forbids to write `data` into `slot`; length and range are the table's to check.
+    ///
+    /// # Errors
+    /// The abort code of the download: 0x06090030 for a mode, an option or a function that the drive does not have; 0x08000022 for the
+    /// current loop's gains while the drive sets them itself, and for clearing the position while the motor moves or is led by CSP.
+    pub fn check_write(&self, objects: &DriveObjects, slot: usize, data: &[u8]) -> Result<(), AbortCode> {
+        match (slot, data) {
+            (slots::current_loop_kp | slots::current_loop_ki | slots::current_loop_kc, _) if objects.auto_pi != 0 => {
+                Err(AbortCode::DeviceState)
+            }
+            (slots::mode, &[mode]) if mode != 0 && Mode::from_object(mode as i8).is_none() => Err(AbortCode::ValueRange),
+            // Stops at the limit of current or voltage need a current reserve that is known, as only a closed loop has.
+            (slots::quick_stop_option, &[3 | 4, 0]) => Err(AbortCode::ValueRange),
+            (slots::probe_function, &[low, high]) if (low, high) != (0, 0) => Err(AbortCode::ValueRange),
+            (slots::zero_position, &[1, 0]) if !self.may_clear_position() => Err(AbortCode::DeviceState),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the motor moves.
+    pub const fn is_moving(&self) -> bool {
+        !self.motion.is_standing()
+    }
+
+    /// The state of the power state machine.
+    pub const fn power_state(&self) -> PowerState {
+        self.power.state()
+    }
+
+    /// The mode of operation, if one was chosen since power-up.
+    pub const fn mode(&self) -> Option<Mode> {
+        self.modes.active()
+    }
+
+    /// The fault that waits to be reset.
+    pub const fn fault(&self) -> Option<Fault> {
+        self.faults.latched()
+    }
+
+    /// The commanded position, which in open loop is the motor's.
+    pub const fn position(&self) -> Position {
+        self.motion.position()
+    }
+
+    /// The commanded speed.
+    pub const fn velocity(&self) -> Speed {
+        self.motion.velocity()
+    }
+
+    /// The inputs after filter, polarity and function.
+    pub const fn signals(&self) -> &Signals {
+        &self.signals
+    }
+
+    fn control_power(&mut self, sensors: &Sensors, controlword: Controlword, fault_clear: bool, objects: &DriveObjects) -> Activity {
+        let before = self.power.state();
+        let fault_detected = self.faults.observe(sensors.bus_voltage, self.operational, before.is_enabled());
+        let situation = Situation {
+            controlword,
+            operational: self.operational,
+            fault_detected,
+            fault_persists: self.faults.persists(),
+            fault_clear,
+            emergency_stop: self.signals.emergency_stop,
+            standing: self.motion.is_standing(),
+        };
+        let activity = self.power.tick(&situation, objects);
+        if before == PowerState::Fault && self.power.state() != PowerState::Fault {
+            self.faults.reset();
+        }
+        // The motor offline input frees the shaft whatever the state.
+        if self.signals.offline { Activity::Off } else { activity }
+    }
+
+    /// Moves the commanded position on and returns the mode's bits of the statusword.
+    fn act(&mut self, activity: Activity, controlword: Controlword, objects: &DriveObjects) -> u16 {
+        let start = self.power.state() == PowerState::OperationEnabled && self.start_edge.take();
+        if activity != Activity::Operate {
+            self.modes.interrupt();
+        }
+        match activity {
+            Activity::Operate => {
+                let context = Context {
+                    objects,
+                    controlword,
+                    start,
+                    signals: &self.signals,
+                    locked: self.current.is_locked(),
+                };
+                return self.modes.operate(&context, &mut self.motion);
+            }
+            Activity::Stop(stop) => {
+                let quick = Acceleration::new(objects.quick_stop_deceleration.unsigned_abs());
+                let in_the_way = self.signals.block(self.motion.demand_velocity().sub_pulses_per_tick());
+                let quickly = stop == Stop::Quick || in_the_way;
+                self.motion.stop(if quickly { quick } else { self.modes.deceleration(objects) });
+            }
+            Activity::Off => self.motion.rest(),
+        }
+        let stopped = self.power.state() == PowerState::QuickStopActive && self.motion.is_standing();
+        flag(stopped, TARGET_REACHED)
+    }
+
+    fn may_clear_position(&self) -> bool {
+        let led = self.modes.active() == Some(Mode::CyclicPosition) && self.power.state() == PowerState::OperationEnabled;
+        !self.is_moving() && !led
+    }
+
+    /// Obeys 0x2010, which may also have been written by PDO, unchecked.
+    fn clear_position(&mut self, objects: &mut DriveObjects) {
+        if core::mem::take(&mut objects.zero_position) != 0 && self.may_clear_position() {
+            self.motion.shift_counter(self.motion.position().pulses().wrapping_neg());
+            self.modes.interrupt();
+        }
+    }
+
+    fn drive_stage(&mut self, activity: Activity, objects: &DriveObjects) -> PowerStage {
+        self.field.turn(self.motion.travel(), objects.resolution, objects.run_reverse != 0);
+        if activity == Activity::Off {
+            self.current.off();
+            return PowerStage::Off;
+        }
+        let moving = self.is_moving();
+        PowerStage::Field {
+            angle: self.field.angle(),
+            amplitude: self.current.tick(moving, objects),
+        }
+    }
+
+    fn is_in_place(&self, mode_bits: u16) -> bool {
+        let enabled = self.power.state() == PowerState::OperationEnabled;
+        enabled && !self.is_moving() && mode_bits & TARGET_REACHED != 0
+    }
+
+    /// Sets the objects that tell about the drive.
+    fn publish(&self, sensors: &Sensors, mode_bits: u16, objects: &mut DriveObjects) {
+        let state = self.power.state();
+        let bus = sensors.bus_voltage;
+        objects.statusword = statusword::compose(state, bus, self.operational, self.signals.at_limit(), mode_bits);
+        objects.mode_display = self.modes.active().map_or(0, |mode| mode as i8);
+        objects.error_code = self.faults.latched().map_or(0, Fault::error_code);
+        objects.alarm_code = self.faults.latched().map_or(0, Fault::alarm_bit);
+        objects.status_code = self.status_code(mode_bits);
+
+        let resolution = objects.resolution.into();
+        objects.position = self.motion.position().pulses();
+        objects.velocity = self.motion.velocity().revolutions_per_minute(resolution);
+        objects.speed_feedback = objects.velocity.clamp(-3000, 3000) as i16;
+        objects.speed_reference = self.motion.demand_velocity().revolutions_per_minute(resolution).clamp(-3000, 3000) as i16;
+
+        objects.digital_inputs = self.signals.digital_inputs();
+        objects.input_level = u16::from(sensors.inputs.0 & 0x3F);
+        objects.bus_voltage = (bus.0 / 10).clamp(0, 0xFFFF) as u16;
+        objects.torque = torque(sensors.phase_currents, objects.peak_current);
+    }
+
+    /// The value of 0x200F (manual 2.2.15).
+    fn status_code(&self, mode_bits: u16) -> u16 {
+        let state = self.power.state();
+        let ready = state != PowerState::NotReadyToSwitchOn && !state.is_faulty();
+        flag(state == PowerState::OperationEnabled, 0x0001)
+            | flag(state.is_faulty(), 0x0002)
+            | flag(self.is_in_place(mode_bits), 0x0004)
+            | flag(self.is_moving(), 0x0008)
+            | flag(self.modes.is_homed(), 0x0010)
+            | flag(ready, 0x0020)
+    }
+}
+
+impl Default for Drive {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The current vector's amplitude in per mille of the operating current.
+fn torque(phase_currents: [Milliamps; 2], peak_current: u16) -> i16 {
+    let [a, b] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000).unsigned_abs());
+    let amplitude = (a * a + b * b).isqrt();
+    (amplitude * 1000 / u32::from(peak_current.max(1))).min(i16::MAX as u32) as i16
+}

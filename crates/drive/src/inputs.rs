@@ -1,0 +1,203 @@
+//! Digital inputs: filter, polarity and function (manual 1.3.1, 2.2.7, 2.2.8, 2.2.24).
+
+use board::{INPUT_COUNT, InputLevels};
+
+use crate::homing;
+use crate::objects::DriveObjects;
+
+/// What an input is for, the value of 0x2007.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Function {
+    General,
+    CwLimit,
+    CcwLimit,
+    Home,
+    FaultClear,
+    EmergencyStop,
+    MotorOffline,
+}
+
+impl Function {
+    /// Values without a function of their own here (probes, unknown ones) are general inputs.
+    const fn from_object(value: u16) -> Self {
+        match value {
+            1 => Self::CwLimit,
+            2 => Self::CcwLimit,
+            3 => Self::Home,
+            4 => Self::FaultClear,
+            5 => Self::EmergencyStop,
+            6 => Self::MotorOffline,
+            _ => Self::General,
+        }
+    }
+}
+
+/// The signals of all inputs, after filter, polarity and function. Several inputs of one function are combined by or.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Signals {
+    /// Inputs whose signal is valid, bit 0 IN1.
+    pub valid: u8,
+    /// Limit switches and home switch, of which CW is the positive limit and CCW the negative one.
+    pub switches: homing::Signals,
+    /// Which of them some input has as its function.
+    pub assigned: homing::Signals,
+    /// Function 4, fault clearance.
+    pub fault_clear: bool,
+    /// Function 5, emergency stop.
+    pub emergency_stop: bool,
+    /// Function 6, motor offline.
+    pub offline: bool,
+}
+
+impl Signals {
+    /// Whether a limit switch forbids motion in the direction that `travel` has the sign of.
+    pub const fn block(&self, travel: i64) -> bool {
+        travel > 0 && self.switches.positive_limit || travel < 0 && self.switches.negative_limit
+    }
+
+    /// Whether some limit switch is valid.
+    pub const fn at_limit(&self) -> bool {
+        self.switches.positive_limit || self.switches.negative_limit
+    }
+
+    /// The value of 0x60FD (manual 2.3.23).
+    pub const fn digital_inputs(&self) -> u32 {
+        self.switches.negative_limit as u32
+            | (self.switches.positive_limit as u32) << 1
+            | (self.switches.home as u32) << 2
+            | (self.valid as u32) << 16
+    }
+}
+
+/// The inputs with their filters.
+#[derive(Clone, Debug, Default)]
+pub struct Inputs {
+    /// The level of each input that has been steady for long enough; none before the first tick, whose levels count at once.
+    steady: Option<InputLevels>,
+    /// For how many ticks each input has differed from its steady level.
+    differing: [u16; INPUT_COUNT],
+}
+
+impl Inputs {
+    /// Takes a tick's levels.
+    pub fn tick(&mut self, levels: InputLevels, objects: &DriveObjects) -> Signals {
+        let steady = self.filter(levels, objects.input_filter);
+        let normally_open = objects.input_polarity as u8;
+        let valid = !(steady.0 ^ normally_open) & ((1 << INPUT_COUNT) - 1);
+        let mut signals = Signals {
+            valid,
+            ..Signals::default()
+        };
+        for (number, function) in functions(objects).into_iter().enumerate() {
+            signals.take(function, valid >> number & 1 == 1);
+        }
+        signals
+    }
+
+    fn filter(&mut self, levels: InputLevels, ticks: u16) -> InputLevels {
+        let mut steady = self.steady.unwrap_or(levels);
+        let differing = levels.0 ^ steady.0;
+        for (number, count) in self.differing.iter_mut().enumerate() {
+            if differing >> number & 1 == 0 {
+                *count = 0;
+            } else if *count >= ticks {
+                steady.0 ^= 1 << number;
+                *count = 0;
+            } else {
+                *count += 1;
+            }
+        }
+        self.steady = Some(steady);
+        steady
+    }
+}
+
+impl Signals {
+    fn take(&mut self, function: Function, valid: bool) {
+        match function {
+            Function::General => {}
+            Function::CwLimit => {
+                self.assigned.positive_limit = true;
+                self.switches.positive_limit |= valid;
+            }
+            Function::CcwLimit => {
+                self.assigned.negative_limit = true;
+                self.switches.negative_limit |= valid;
+            }
+            Function::Home => {
+                self.assigned.home = true;
+                self.switches.home |= valid;
+            }
+            Function::FaultClear => self.fault_clear |= valid,
+            Function::EmergencyStop => self.emergency_stop |= valid,
+            Function::MotorOffline => self.offline |= valid,
+        }
+    }
+}
+
+fn functions(objects: &DriveObjects) -> [Function; INPUT_COUNT] {
+    [
+        objects.input_1_function,
+        objects.input_2_function,
+        objects.input_3_function,
+        objects.input_4_function,
+        objects.input_5_function,
+        objects.input_6_function,
+    ]
+    .map(Function::from_object)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_counts_once_it_was_steady_for_the_filter_time() {
+        let mut objects = DriveObjects::new();
+        objects.input_filter = 3;
+        let mut inputs = Inputs::default();
+        inputs.tick(InputLevels(0), &objects);
+        let valid: [u8; 5] = core::array::from_fn(|_| inputs.tick(InputLevels(1), &objects).valid);
+        assert_eq!(valid, [0, 0, 0, 1, 1]);
+        for _ in 0..3 {
+            assert_eq!(inputs.tick(InputLevels(0), &objects).valid, 1);
+        }
+        assert_eq!(inputs.tick(InputLevels(1), &objects).valid, 1);
+        assert_eq!(inputs.tick(InputLevels(0), &objects).valid, 1);
+    }
+
+    #[test]
+    fn without_filter_time_a_level_counts_in_its_own_tick_and_the_first_tick_counts_at_once() {
+        let mut objects = DriveObjects::new();
+        assert_eq!(Inputs::default().tick(InputLevels(0b10_0001), &objects).valid, 0b10_0001);
+        objects.input_filter = 0;
+        let mut inputs = Inputs::default();
+        inputs.tick(InputLevels(0), &objects);
+        assert_eq!(inputs.tick(InputLevels(0b100), &objects).valid, 0b100);
+    }
+
+    #[test]
+    fn normally_open_is_valid_with_current_and_normally_closed_without() {
+        let mut objects = DriveObjects::new();
+        objects.input_polarity = 0b00_0100;
+        assert_eq!(Inputs::default().tick(InputLevels(0b00_0111), &objects).valid, 0b11_1100);
+    }
+
+    #[test]
+    fn cw_is_the_positive_limit_and_bit_1_of_the_digital_inputs() {
+        let objects = DriveObjects::new();
+        let value = |levels| Inputs::default().tick(InputLevels(levels), &objects).digital_inputs();
+        assert_eq!(value(0b00_0100), 0x0004_0002);
+        assert_eq!(value(0b00_1000), 0x0008_0001);
+        assert_eq!(value(0b01_0000), 0x0010_0004);
+        assert_eq!(value(0b10_0011), 0x0023_0000);
+    }
+
+    #[test]
+    fn inputs_of_one_function_are_combined_by_or() {
+        let mut objects = DriveObjects::new();
+        objects.input_1_function = 3;
+        let signals = Inputs::default().tick(InputLevels(0b00_0001), &objects);
+        assert!(signals.switches.home && signals.assigned.home);
+    }
+}

@@ -1,0 +1,232 @@
+//! What inputs do to the drive, and what outputs tell.
+
+mod rig;
+
+use board::{OutputLevels, PowerStage};
+use dictionary::AbortCode;
+use drive::PowerState::*;
+use rig::{IN_HOME, IN_NEGATIVE_LIMIT, IN_OFFLINE, IN_POSITIVE_LIMIT, Rig};
+
+fn running() -> Rig {
+    let mut rig = Rig::enabled(3);
+    rig.objects.target_velocity = 20_000;
+    rig.until("at speed", |rig| rig.pulses_per_second() == 20_000);
+    rig
+}
+
+#[test]
+fn the_input_objects_show_raw_levels_and_valid_signals() {
+    let mut rig = Rig::new();
+    rig.inputs = IN_POSITIVE_LIMIT | IN_HOME | 0x01;
+    rig.tick();
+    assert_eq!((rig.objects.input_level, rig.objects.digital_inputs), (0x15, 0x0015_0006));
+    rig.objects.input_polarity = 0;
+    rig.tick();
+    assert_eq!((rig.objects.input_level, rig.objects.digital_inputs), (0x15, 0x002A_0001));
+    rig.inputs = IN_NEGATIVE_LIMIT;
+    rig.objects.input_polarity = 0x3F;
+    rig.objects.input_filter = 60;
+    rig.ticks(60);
+    assert_eq!(
+        (rig.objects.input_level, rig.objects.digital_inputs),
+        (0x08, 0x0015_0006),
+        "2049 is not filtered"
+    );
+    rig.tick();
+    assert_eq!(rig.objects.digital_inputs, 0x0008_0001);
+}
+
+#[test]
+fn emergency_stop_stops_quickly_and_wants_a_new_enable_sequence() {
+    for option in [0, 1, 2, 5, 6] {
+        let mut rig = running();
+        rig.objects.quick_stop_option = option;
+        rig.objects.input_1_function = 5;
+        rig.inputs = 0x01;
+        rig.tick();
+        assert_eq!((rig.state(), rig.is_powered()), (QuickStopActive, true));
+        let ticks = rig.until("disabled", |rig| rig.state() == SwitchOnDisabled);
+        assert!((798..1_020).contains(&ticks), "0x6085, whatever the option: {ticks}");
+        assert!(!rig.is_powered());
+        for word in [0x06, 0x0F, 0x0F, 0x0F] {
+            rig.command(word);
+            assert_eq!(rig.state(), SwitchOnDisabled);
+        }
+        rig.inputs = 0;
+        rig.ticks(10);
+        assert_eq!((rig.state(), rig.objects.error_code), (SwitchOnDisabled, 0));
+        rig.enable();
+    }
+}
+
+#[test]
+fn emergency_stop_at_power_up_ends_the_courtesy() {
+    let mut rig = Rig::new();
+    rig.objects.input_1_function = 5;
+    rig.inputs = 0x01;
+    rig.command(0x0F);
+    rig.inputs = 0;
+    rig.ticks(10);
+    assert_eq!(rig.state(), SwitchOnDisabled);
+}
+
+#[test]
+fn motor_offline_frees_the_shaft_and_the_release_holds_it_again() {
+    let mut rig = running();
+    rig.objects.soft_lock_time = 100;
+    rig.inputs = IN_OFFLINE;
+    rig.tick();
+    assert_eq!((rig.state(), rig.actuators.stage), (OperationEnabled, PowerStage::Off));
+    let position = rig.objects.position;
+    rig.milliseconds(10);
+    assert_eq!((rig.objects.position, rig.objects.velocity), (position, 0));
+    rig.inputs = 0;
+    rig.tick();
+    assert_eq!(rig.amplitude(), Some(15), "the shaft is locked anew");
+    rig.until("at speed", |rig| rig.pulses_per_second() == 20_000);
+}
+
+#[test]
+fn set_points_are_not_taken_while_the_motor_is_offline() {
+    let mut rig = Rig::enabled(1);
+    rig.inputs = IN_OFFLINE;
+    rig.objects.target_position = 1_000;
+    rig.command(0x1F);
+    assert!(!rig.status(12));
+    rig.inputs = 0;
+    rig.milliseconds(50);
+    assert_eq!((rig.objects.position, rig.status(12)), (0, false));
+}
+
+#[test]
+fn a_fault_clear_input_resets_on_its_rising_edge() {
+    let mut rig = running();
+    rig.objects.input_2_function = 4;
+    rig.inputs = 0x02;
+    rig.drive.set_network(false);
+    rig.until("in fault", |rig| rig.state() == Fault);
+    rig.drive.set_network(true);
+    rig.ticks(10);
+    assert_eq!(rig.state(), Fault);
+    rig.inputs = 0;
+    rig.tick();
+    rig.inputs = 0x02;
+    rig.tick();
+    assert_eq!((rig.state(), rig.objects.error_code), (SwitchOnDisabled, 0));
+}
+
+#[test]
+fn alarm_brake_and_in_place_outputs() {
+    let mut rig = Rig::new();
+    assert_eq!((rig.actuators.outputs, rig.objects.output_level), (OutputLevels(0b00), 0b11));
+    rig.objects.soft_lock_time = 50;
+    rig.objects.mode = 1;
+    rig.enable();
+    assert_eq!(
+        rig.actuators.outputs,
+        OutputLevels(0b00),
+        "the brake stays shut until the shaft is held"
+    );
+    rig.ticks(100);
+    assert_eq!((rig.actuators.outputs, rig.objects.output_level), (OutputLevels(0b10), 0b01));
+    rig.objects.output_1_function = 3;
+    rig.tick();
+    assert_eq!(rig.actuators.outputs, OutputLevels(0b11));
+    rig.objects.target_position = 2_000;
+    rig.command(0x1F);
+    assert_eq!(rig.actuators.outputs, OutputLevels(0b10));
+    rig.until("there", |rig| rig.status(10));
+    assert_eq!(rig.actuators.outputs, OutputLevels(0b11));
+    rig.objects.output_1_function = 1;
+    rig.drive.set_network(false);
+    rig.tick();
+    assert_eq!(rig.actuators.outputs, OutputLevels(0b11), "alarm");
+    rig.tick();
+    assert_eq!(rig.actuators.outputs, OutputLevels(0b01), "the brake shuts with the power");
+}
+
+#[test]
+fn the_status_code_tells_enabled_in_place_and_running() {
+    let mut rig = Rig::new();
+    assert_eq!(rig.objects.status_code, 0x20);
+    rig.objects.mode = 1;
+    rig.enable();
+    assert_eq!(rig.objects.status_code, 0x25);
+    rig.objects.target_position = 2_000;
+    rig.command(0x1F);
+    rig.ticks(10);
+    assert_eq!(rig.objects.status_code, 0x29);
+}
+
+#[test]
+fn vetoes_that_depend_on_the_state() {
+    let mut rig = Rig::new();
+    for sub in 2..=4 {
+        assert_eq!(rig.download(0x200B, sub, &[200, 0]), Err(AbortCode::DeviceState));
+    }
+    rig.download(0x200B, 1, &[0, 0]).unwrap();
+    for sub in 2..=4 {
+        assert_eq!(rig.download(0x200B, sub, &[200, 0]), Ok(()));
+    }
+    for mode in i8::MIN..=i8::MAX {
+        let expected = if [0, 1, 3, 6, 8].contains(&mode) {
+            Ok(())
+        } else {
+            Err(AbortCode::ValueRange)
+        };
+        assert_eq!(rig.download(0x6060, 0, &mode.to_le_bytes()), expected, "{mode}");
+    }
+    assert_eq!(rig.download(0x6060, 0, &[1, 0]), Err(AbortCode::LengthMismatch));
+    assert_eq!(rig.download(0x60B8, 0, &[0, 0]), Ok(()));
+    for function in [1u16, 0x10, 0x100, 0x3000] {
+        assert_eq!(rig.download(0x60B8, 0, &function.to_le_bytes()), Err(AbortCode::ValueRange));
+    }
+    for (option, expected) in [
+        (2i16, Ok(())),
+        (3, Err(AbortCode::ValueRange)),
+        (6, Ok(())),
+        (7, Err(AbortCode::ValueTooHigh)),
+    ] {
+        assert_eq!(rig.download(0x605A, 0, &option.to_le_bytes()), expected);
+    }
+    assert_eq!(rig.download(0x2011, 0, &[1, 0]), Err(AbortCode::ValueTooHigh));
+}
+
+#[test]
+fn an_unsupported_mode_by_pdo_keeps_the_mode_there_is() {
+    let mut rig = Rig::enabled(8);
+    for mode in [0, 2, 4, 9, -1] {
+        rig.objects.mode = mode;
+        rig.tick();
+        assert_eq!(rig.objects.mode_display, 8);
+    }
+    rig.objects.mode = 3;
+    rig.tick();
+    assert_eq!(rig.objects.mode_display, 3);
+}
+
+#[test]
+fn the_position_can_be_cleared_at_standstill_and_the_field_stays() {
+    let mut rig = Rig::enabled(1);
+    rig.objects.target_position = 1_237;
+    rig.command(0x1F);
+    rig.milliseconds(50);
+    assert_eq!(rig.download(0x2010, 0, &[1, 0]), Err(AbortCode::DeviceState));
+    rig.objects.zero_position = 1;
+    rig.tick();
+    assert!(rig.objects.position > 0, "by PDO it does not act either");
+    rig.until("there", |rig| rig.status(10));
+    let before = rig.actuators.stage;
+    rig.download(0x2010, 0, &[1, 0]).unwrap();
+    rig.tick();
+    assert_eq!((rig.objects.position, rig.objects.zero_position), (0, 0));
+    assert_eq!(rig.actuators.stage, before);
+    rig.objects.target_position = 100;
+    rig.command(0x4F);
+    rig.command(0x5F);
+    rig.until("there", |rig| rig.status(10));
+    assert_eq!((rig.objects.position, rig.shaft.round()), (100, 1_337.0));
+    rig.objects.mode = 8;
+    rig.ticks(2);
+    assert_eq!(rig.download(0x2010, 0, &[1, 0]), Err(AbortCode::DeviceState));
+}

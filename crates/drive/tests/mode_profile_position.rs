@@ -1,0 +1,298 @@
+//! Profile position mode, handshake by handshake.
+
+mod rig;
+
+use proptest::prelude::*;
+use rig::{IN_NEGATIVE_LIMIT, IN_POSITIVE_LIMIT, Rig};
+
+const NEW: u16 = 0x1F;
+const IMMEDIATE: u16 = 0x20;
+const RELATIVE: u16 = 0x40;
+const HALT: u16 = 0x100;
+const ON_SET_POINT: u16 = 0x200;
+
+/// Gives a set-point and takes bit 4 back; whether it was acknowledged.
+fn send(rig: &mut Rig, target: i32, flags: u16) -> bool {
+    rig.objects.target_position = target;
+    rig.command(NEW | flags);
+    let acknowledged = rig.status(12);
+    rig.command(0x0F | flags);
+    acknowledged
+}
+
+fn arrive(rig: &mut Rig) -> i32 {
+    rig.until("at the target", |rig| rig.status(10));
+    assert!(!rig.drive.is_moving());
+    rig.objects.position
+}
+
+#[test]
+fn the_handshake_of_one_set_point() {
+    let mut rig = Rig::enabled(1);
+    assert_eq!((rig.status(10), rig.status(12)), (true, false));
+    rig.objects.target_position = 5_000;
+    rig.command(NEW);
+    assert_eq!((rig.status(10), rig.status(12)), (false, true));
+    rig.ticks(100);
+    assert!(rig.status(12), "bit 4 is still set");
+    rig.command(0x0F);
+    assert_eq!((rig.status(10), rig.status(12)), (false, false));
+    assert_eq!(arrive(&mut rig), 5_000);
+    assert_eq!(rig.shaft.round(), 5_000.0);
+}
+
+#[test]
+fn set_points_are_latched_by_the_edge_and_not_by_the_level() {
+    let mut rig = Rig::enabled(1);
+    rig.objects.target_position = 1_000;
+    rig.command(NEW);
+    rig.objects.target_position = 9_000;
+    rig.objects.profile_velocity = 1;
+    rig.ticks(10);
+    assert_eq!(arrive(&mut rig), 1_000);
+    rig.ticks(100);
+    assert_eq!(rig.objects.position, 1_000);
+}
+
+#[test]
+fn enabling_with_0x1f_starts_the_motion() {
+    let mut rig = Rig::new();
+    rig.objects.mode = 1;
+    rig.objects.target_position = -700;
+    rig.command(0x06);
+    rig.command(NEW);
+    rig.command(NEW);
+    assert!(rig.status(12));
+    assert_eq!(arrive(&mut rig), -700);
+}
+
+#[test]
+fn a_motion_waits_for_the_shaft_lock() {
+    let mut rig = Rig::new();
+    rig.objects.mode = 1;
+    rig.objects.soft_lock_time = 1000;
+    rig.objects.target_position = 700;
+    rig.command(0x06);
+    rig.command(NEW);
+    rig.command(NEW);
+    assert!(rig.status(12) && !rig.status(10));
+    rig.ticks(1_998);
+    assert_eq!(rig.drive.position().sub_pulses(), 0);
+    assert_eq!(arrive(&mut rig), 700);
+}
+
+#[test]
+fn absolute_and_relative_targets() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 10_000, 0);
+    assert_eq!(arrive(&mut rig), 10_000);
+    send(&mut rig, 20_000, RELATIVE);
+    assert_eq!(arrive(&mut rig), 30_000);
+    send(&mut rig, 20_000, 0);
+    assert_eq!(arrive(&mut rig), 20_000);
+    send(&mut rig, -25_000, RELATIVE);
+    assert_eq!(arrive(&mut rig), -5_000);
+}
+
+#[test]
+fn a_relative_target_counts_from_the_last_commanded_one_even_in_flight() {
+    for flags in [RELATIVE, RELATIVE | IMMEDIATE, RELATIVE | ON_SET_POINT] {
+        let mut rig = Rig::enabled(1);
+        send(&mut rig, 10_000, 0);
+        rig.milliseconds(100);
+        assert!(send(&mut rig, 500, flags));
+        assert_eq!(arrive(&mut rig), 10_500);
+    }
+}
+
+#[test]
+fn the_buffer_takes_one_more_set_point_and_bit_12_stays_while_it_is_full() {
+    let mut rig = Rig::enabled(1);
+    assert!(send(&mut rig, 5_000, 0));
+    assert!(!rig.status(12));
+    assert!(send(&mut rig, 2_000, 0));
+    assert!(rig.status(12), "no room for another one");
+    send(&mut rig, 7_777, 0);
+    assert!(rig.status(12));
+    rig.until("at the first target", |rig| {
+        rig.objects.position == 5_000 && rig.pulses_per_second() == 0
+    });
+    rig.until("free for another one", |rig| !rig.status(12));
+    assert!(!rig.status(10), "the second one is under way");
+    assert_eq!(arrive(&mut rig), 2_000);
+}
+
+#[test]
+fn an_immediate_set_point_replaces_active_and_buffered_ones() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 50_000, 0);
+    send(&mut rig, 80_000, 0);
+    rig.milliseconds(200);
+    let before = rig.objects.position;
+    rig.objects.profile_velocity = 30_000;
+    assert!(send(&mut rig, -3_000, IMMEDIATE));
+    assert!(!rig.status(12));
+    rig.until("turned round", |rig| rig.pulses_per_second() < 0);
+    assert!(rig.objects.position > before);
+    assert_eq!(arrive(&mut rig), -3_000);
+}
+
+#[test]
+fn change_on_set_point_passes_the_first_target_at_its_speed_and_a_plain_one_stops_there() {
+    for (flags, slowest) in [(ON_SET_POINT, 9_990..=10_000), (0, 0..=0)] {
+        let mut rig = Rig::enabled(1);
+        send(&mut rig, 10_000, 0);
+        rig.objects.profile_velocity = 4_000;
+        send(&mut rig, 16_000, flags);
+        rig.until("near the first target", |rig| rig.objects.position >= 9_000);
+        let mut least = i32::MAX;
+        while rig.objects.position <= 10_000 {
+            rig.tick();
+            least = least.min(rig.pulses_per_second());
+        }
+        assert!(slowest.contains(&least), "{least}");
+        rig.until("at the new speed", |rig| rig.pulses_per_second() == 4_000);
+        assert_eq!(arrive(&mut rig), 16_000);
+    }
+}
+
+#[test]
+fn halt_stops_with_the_profile_deceleration_and_its_end_continues() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 20_000, 0);
+    rig.until("at speed", |rig| rig.pulses_per_second() == 10_000);
+    rig.command(0x0F | HALT);
+    let ticks = rig.until("standing", |rig| rig.status(10));
+    assert!((1_998..2_220).contains(&ticks), "{ticks}");
+    assert!(rig.objects.position < 20_000);
+    rig.command(0x0F);
+    assert!(!rig.status(10));
+    assert_eq!(arrive(&mut rig), 20_000);
+}
+
+#[test]
+fn a_set_point_given_in_halt_waits() {
+    let mut rig = Rig::enabled(1);
+    rig.command(0x0F | HALT);
+    assert!(send(&mut rig, 300, HALT));
+    rig.milliseconds(10);
+    assert_eq!((rig.objects.position, rig.status(10)), (0, true));
+    rig.command(0x0F);
+    assert_eq!(arrive(&mut rig), 300);
+}
+
+#[test]
+fn a_limit_switch_stops_with_0x6085_and_leaves_only_the_way_back() {
+    for (switch, sign) in [(IN_POSITIVE_LIMIT, 1), (IN_NEGATIVE_LIMIT, -1)] {
+        let mut rig = Rig::enabled(1);
+        send(&mut rig, sign * 50_000, 0);
+        rig.until("at speed", |rig| rig.pulses_per_second() == sign * 10_000);
+        rig.inputs = switch;
+        rig.tick();
+        assert!(rig.status(11));
+        let ticks = rig.until("standing", |rig| !rig.drive.is_moving());
+        assert!((398..620).contains(&ticks), "{ticks}");
+        let stop = rig.objects.position;
+        assert!(!rig.status(10), "the target was not reached");
+
+        assert!(send(&mut rig, stop + sign * 1_000, 0));
+        rig.milliseconds(50);
+        assert_eq!((rig.objects.position, rig.status(10)), (stop, false));
+
+        assert!(send(&mut rig, 0, 0));
+        assert_eq!(arrive(&mut rig), 0);
+        assert_eq!(rig.state(), drive::PowerState::OperationEnabled);
+        rig.inputs = 0;
+        rig.tick();
+        assert!(!rig.status(11));
+    }
+}
+
+#[test]
+fn relative_moves_wrap_like_the_counter_and_absolute_ones_then_mean_the_counter() {
+    let mut rig = Rig::enabled(1);
+    rig.objects.profile_velocity = i32::MAX;
+    rig.objects.profile_acceleration = i32::MAX;
+    rig.objects.profile_deceleration = i32::MAX;
+    send(&mut rig, i32::MAX, 0);
+    assert_eq!(arrive(&mut rig), i32::MAX);
+    for _ in 0..8 {
+        send(&mut rig, 1_000, RELATIVE);
+        arrive(&mut rig);
+    }
+    assert_eq!(rig.objects.position, i32::MIN + 7_999);
+    send(&mut rig, i32::MIN, 0);
+    assert_eq!(arrive(&mut rig), i32::MIN);
+    for _ in 0..6 {
+        send(&mut rig, i32::MAX, RELATIVE | IMMEDIATE);
+        rig.ticks(10);
+    }
+    arrive(&mut rig);
+    send(&mut rig, 12, 0);
+    assert_eq!(arrive(&mut rig), 12);
+}
+
+#[test]
+fn the_buffer_is_dropped_by_disabling_and_by_a_change_of_mode() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 50_000, 0);
+    send(&mut rig, 90_000, 0);
+    rig.milliseconds(200);
+    rig.command(0x07);
+    rig.until("disabled", |rig| rig.state() == drive::PowerState::SwitchedOn);
+    let stop = rig.objects.position;
+    rig.command(0x0F);
+    rig.milliseconds(50);
+    assert_eq!((rig.objects.position, rig.status(10)), (stop, true));
+
+    send(&mut rig, 90_000, 0);
+    rig.milliseconds(200);
+    rig.objects.mode = 3;
+    rig.tick();
+    assert_eq!(rig.objects.mode_display, 3);
+    rig.until("standing", |rig| rig.status(10));
+    rig.objects.mode = 1;
+    let stop = rig.objects.position;
+    rig.milliseconds(50);
+    assert_eq!((rig.objects.position, rig.status(10)), (stop, true));
+}
+
+#[test]
+fn the_motion_filter_delays_the_end_and_does_not_shift_it() {
+    let mut rig = Rig::new();
+    rig.objects.filter_time = 25_600;
+    rig.objects.mode = 1;
+    rig.enable();
+    send(&mut rig, 3_000, 0);
+    let filtered = rig.until("at the target", |rig| rig.status(10));
+    assert_eq!(rig.objects.position, 3_000);
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 3_000, 0);
+    let plain = rig.until("at the target", |rig| rig.status(10));
+    assert!((500..=520).contains(&(filtered - plain)), "{filtered} {plain}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn whatever_the_set_points_the_last_one_is_reached_exactly(
+        steps in prop::collection::vec((-20_000i32..20_000, any::<[bool; 3]>(), 0usize..4_000, 0u16..25_600), 1..6),
+    ) {
+        let mut rig = Rig::enabled(1);
+        rig.objects.profile_velocity = 200_000;
+        rig.objects.profile_acceleration = 3_000_000;
+        rig.objects.profile_deceleration = 1_000_000;
+        rig.objects.filter_time = steps[0].3;
+        let mut last = 0;
+        for (target, [relative, immediate, fly], pause, _) in steps {
+            let flags = if relative { RELATIVE } else { 0 } | if immediate { IMMEDIATE } else { 0 } | if fly { ON_SET_POINT } else { 0 };
+            if !rig.status(12) && send(&mut rig, target, flags) {
+                last = if relative { last + target } else { target };
+            }
+            rig.ticks(pause);
+        }
+        prop_assert_eq!(arrive(&mut rig), last);
+        prop_assert!((rig.shaft - f64::from(last)).abs() < 0.01, "{} {}", rig.shaft, last);
+    }
+}

@@ -1,0 +1,278 @@
+//! What the stack does with the chip's events, and in which order.
+
+use dictionary::AbortCode;
+use wire::al::{AlState, AlStatus, AlStatusCode};
+use wire::coe::Address;
+use wire::mailbox::{MailboxError, Protocol};
+use wire::{AlEvents, EscAccess, Nanos, register};
+
+use crate::application::Application;
+use crate::coe;
+use crate::communication_area::CommunicationArea;
+use crate::configuration::{Configuration, MAX_MAILBOX};
+use crate::device_objects::{self, DeviceObjects};
+use crate::mailbox::{Mailbox, REQUEST_EVENT};
+use crate::process_data::ProcessData;
+use crate::sdo::SdoServer;
+use crate::sync_managers::{INPUTS, OUTPUTS};
+use crate::synchronization::{CycleMeter, Mode, Sequence};
+
+/// How often inputs are renewed when nothing synchronises them, in ns.
+const FREE_RUN_PERIOD: u64 = 1_000_000;
+
+/// The slave stack of one device.
+#[derive(Clone, Debug)]
+pub struct Slave {
+    pub(crate) configuration: Configuration,
+    pub(crate) area: CommunicationArea,
+    pub(crate) status: AlStatus,
+    pub(crate) code: AlStatusCode,
+    pub(crate) mailbox: Mailbox,
+    pub(crate) sdo: SdoServer,
+    pub(crate) process: ProcessData,
+    pub(crate) mode: Mode,
+    pub(crate) sequence: Sequence,
+    pub(crate) meter: CycleMeter,
+    /// When SYNC0 came last.
+    pub(crate) last_sync0: Option<Nanos>,
+    /// Since when the master waits for OP.
+    pub(crate) pending_op: Option<Nanos>,
+    /// The events that matter in the present state.
+    pub(crate) interest: u32,
+    inputs_due: bool,
+    inputs_at: Nanos,
+}
+
+/// What a poll has brought about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Report {
+    /// The AL state now.
+    pub state: AlState,
+    /// Whether an error is pending that the master has not acknowledged.
+    pub error: bool,
+    /// The AL status code.
+    pub status_code: AlStatusCode,
+    /// Outputs take effect now.
+    pub sync: Option<Sync>,
+}
+
+/// The instant at which outputs take effect, in OP.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sync {
+    /// Nominal time to the next in ns: the SYNC0 cycle, or the measured time between outputs; `None` while that is unknown.
+    pub cycle: Option<u32>,
+    /// Whether the master sent outputs since the last one; if not, the objects are unchanged.
+    pub fresh: bool,
+}
+
+impl Slave {
+    /// A stack just switched on, in INIT.
+    ///
+    /// # Panics
+    /// On a configuration the stack has no memory for, see the limits in [`crate::configuration`].
+    pub fn new(configuration: Configuration) -> Self {
+        configuration.assert_valid();
+        Self {
+            area: CommunicationArea::new(&configuration),
+            configuration,
+            status: AlStatus::default(),
+            code: AlStatusCode::None,
+            mailbox: Mailbox::default(),
+            sdo: SdoServer::default(),
+            process: ProcessData::new(),
+            mode: Mode::FreeRun,
+            sequence: Sequence::default(),
+            meter: CycleMeter::default(),
+            last_sync0: None,
+            pending_op: None,
+            interest: AlEvents::AL_CONTROL | AlEvents::SM_ACTIVATION,
+            inputs_due: false,
+            inputs_at: Nanos(0),
+        }
+    }
+
+    /// The AL state.
+    pub const fn state(&self) -> AlState {
+        self.status.state
+    }
+
+    /// The AL status code.
+    pub const fn status_code(&self) -> AlStatusCode {
+        self.code
+    }
+
+    /// Copies the value of any object of the device to `out` and returns its length, as an upload would, without regard to access rights.
+    ///
+    /// # Errors
+    /// The abort code of the upload; 0x06010005 if `out` is too short.
+    pub fn read_object(&self, application: &impl Application, index: u16, sub: u8, now: Nanos, out: &mut [u8]) -> Result<usize, AbortCode> {
+        let value = device_objects::load(&self.area, application, Address { index, sub }, now)?;
+        out.get_mut(..value.len()).ok_or(AbortCode::ObjectTooLong)?.copy_from_slice(&value);
+        Ok(value.len())
+    }
+
+    /// Handles what has happened on the bus: AL control, sync managers, process data, SYNC signals, watchdog, mailbox, time-outs.
+    ///
+    /// To be called every control tick and right after each frame.
+    pub fn poll(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Report {
+        let mut sync = None;
+        let mut events = esc.events();
+        if events.has(self.interest) {
+            // A request for INIT goes before changes of sync managers: masters clear these right after it.
+            if events.has(AlEvents::AL_CONTROL) {
+                self.al_control(esc, application, now);
+                events = esc.events();
+            }
+            if events.has(AlEvents::SM_ACTIVATION) {
+                self.sync_managers_changed(esc);
+                events = esc.events();
+            }
+            sync = self.process_events(esc, application, events, now);
+            if events.has(self.interest & REQUEST_EVENT) && self.mailbox.has_room() {
+                self.serve_mailbox(esc, application, now);
+            }
+        }
+        if self.status.state >= AlState::SafeOp {
+            sync = self.supervise(esc, application, now).or(sync);
+        }
+        self.mailbox.send(esc);
+        Report {
+            state: self.status.state,
+            error: self.status.error,
+            status_code: self.code,
+            sync,
+        }
+    }
+
+    /// Copies the mapped inputs to the chip if they are due: after each event of synchronisation, and every millisecond without such
+    /// events. To be called after the control tick.
+    pub fn publish_inputs(&mut self, esc: &mut impl EscAccess, application: &impl Application, now: Nanos) {
+        if self.status.state < AlState::SafeOp || !self.process.has_inputs() {
+            return;
+        }
+        if self.inputs_due || now.since(self.inputs_at) >= self.longest_input_age() {
+            self.publish(esc, application, now);
+        }
+    }
+
+    /// Copies the mapped inputs to the chip.
+    pub(crate) fn publish(&mut self, esc: &mut impl EscAccess, application: &impl Application, now: Nanos) {
+        self.process.publish(esc, &self.area, application, now);
+        (self.inputs_due, self.inputs_at) = (false, now);
+    }
+
+    /// While events of synchronisation come, inputs wait for them, so that they are those of one instant of the cycle.
+    fn longest_input_age(&self) -> u64 {
+        let cycle = match self.mode {
+            Mode::FreeRun => None,
+            Mode::SyncManager => self.meter.cycle(),
+            Mode::Sync0 { cycle } => Some(cycle),
+        };
+        FREE_RUN_PERIOD.max(2 * u64::from(cycle.unwrap_or(0)))
+    }
+
+    /// Handles watchdog, SYNC signals and process data, in this order: a frame is polled at once, so a SYNC0 seen together with outputs
+    /// came before them.
+    fn process_events(
+        &mut self,
+        esc: &mut impl EscAccess,
+        application: &mut impl Application,
+        events: AlEvents,
+        now: Nanos,
+    ) -> Option<Sync> {
+        let mut sync = None;
+        let events = AlEvents(events.0 & self.interest);
+        if events.has(AlEvents::PROCESS_WATCHDOG) {
+            self.watchdog_expired(esc);
+        }
+        if events.has(AlEvents::SYNC0) {
+            esc.read_u8(register::DC_SYNC0_STATUS);
+            sync = self.sync0(esc, application, now);
+        }
+        if events.has(AlEvents::SYNC1) {
+            esc.read_u8(register::DC_SYNC1_STATUS);
+            self.inputs_due |= matches!(self.mode, Mode::Sync0 { .. });
+        }
+        if events.has(AlEvents::sync_manager(OUTPUTS)) {
+            sync = self.outputs_came(esc, application, now).or(sync);
+        }
+        if events.has(AlEvents::sync_manager(INPUTS)) && self.mode == Mode::SyncManager && !self.process.has_outputs() {
+            self.inputs_due = true;
+        }
+        sync
+    }
+
+    /// SYNC0: outputs take effect, inputs are taken.
+    fn sync0(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Option<Sync> {
+        self.last_sync0 = Some(now);
+        let Mode::Sync0 { cycle } = self.mode else { return None };
+        self.inputs_due = true;
+        if self.status.state != AlState::Op {
+            return None;
+        }
+        if self.process.has_outputs() && self.sequence.sync(now) {
+            self.output_missed(esc);
+        }
+        (self.status.state == AlState::Op).then(|| {
+            let fresh = self.process.fresh;
+            if fresh {
+                self.process.apply(application);
+            }
+            Sync { cycle: Some(cycle), fresh }
+        })
+    }
+
+    /// Outputs came: they wait for SYNC0, or take effect at once.
+    fn outputs_came(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Option<Sync> {
+        self.process.latch(esc);
+        self.meter.output(now);
+        match self.mode {
+            Mode::Sync0 { .. } => {
+                self.sequence.output();
+                return None;
+            }
+            Mode::SyncManager => {
+                self.inputs_due = true;
+                self.area.outputs.cycle = self.meter.cycle().unwrap_or(0);
+                self.area.inputs.cycle = self.area.outputs.cycle;
+            }
+            Mode::FreeRun => {}
+        }
+        (self.status.state == AlState::Op).then(|| self.take_effect(application))
+    }
+
+    /// Outputs latched last take effect.
+    pub(crate) fn take_effect(&mut self, application: &mut impl Application) -> Sync {
+        self.process.apply(application);
+        let cycle = if let Mode::Sync0 { cycle } = self.mode {
+            Some(cycle)
+        } else {
+            self.meter.cycle()
+        };
+        Sync { cycle, fresh: true }
+    }
+
+    /// Answers the request that lies in the mailbox.
+    fn serve_mailbox(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) {
+        let mut buffer = [0; MAX_MAILBOX];
+        let Some((header, body)) = self.mailbox.receive(esc, &mut buffer) else {
+            return;
+        };
+        let mut objects = DeviceObjects {
+            area: &mut self.area,
+            application,
+            state: self.status.state,
+            now,
+        };
+        let outcome = match body {
+            Ok(body) if header.protocol == Protocol::COE => coe::serve(body, &mut self.sdo, &mut objects, self.mailbox.capacity()),
+            Ok(_) => Err(MailboxError::UnsupportedProtocol),
+            Err(error) => Err(error),
+        };
+        match outcome {
+            Ok(Some(response)) => self.mailbox.respond(&header, &response),
+            Ok(None) => {}
+            Err(error) => self.mailbox.refuse(&header, error),
+        }
+    }
+}

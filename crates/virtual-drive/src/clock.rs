@@ -1,0 +1,49 @@
+//! Where the simulation's time comes from.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use wire::Nanos;
+
+/// The time of one simulation, counted from its start.
+#[derive(Clone, Copy, Debug)]
+pub enum Clock {
+    /// The computer's own time: a drive as if it hung on the wire.
+    RealTime(Instant),
+    /// Time that moves only when somebody moves it: the same inputs give the same outputs on every machine.
+    LockStep(Nanos),
+}
+
+impl Clock {
+    /// A clock that starts now and goes with the computer's.
+    pub fn real_time() -> Self {
+        Self::RealTime(Instant::now())
+    }
+
+    /// A clock that stands at zero until it is moved.
+    pub fn lock_step() -> Self {
+        Self::LockStep(Nanos(0))
+    }
+
+    /// The present instant.
+    pub fn now(&self) -> Nanos {
+        match self {
+            // 584 years pass before 64 bits of nanoseconds are full.
+            Self::RealTime(start) => Nanos(start.elapsed().as_nanos() as u64),
+            Self::LockStep(now) => *now,
+        }
+    }
+
+    /// Lets time pass up to `instant`; at once if that is over already.
+    pub fn wait_until(&mut self, instant: Nanos) {
+        match self {
+            Self::RealTime(start) => {
+                let remaining = (*start + Duration::from_nanos(instant.0)).saturating_duration_since(Instant::now());
+                if !remaining.is_zero() {
+                    thread::sleep(remaining);
+                }
+            }
+            Self::LockStep(now) => *now = (*now).max(instant),
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The picture of a demonstration: commanded and actual position and velocity over time.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use super::samples::{Sample, Samples};
+
+const SIZE: (u32, u32) = (1200, 900);
+/// Velocities are taken over this many cycles, so that whole pulses a cycle do not show as steps.
+const VELOCITY_WINDOW: usize = 8;
+
+/// A curve: name, colour, points of (seconds, value).
+struct Curve {
+    name: &'static str,
+    color: RGBColor,
+    width: u32,
+    points: Vec<(f64, f64)>,
+}
+
+/// Draws the picture as SVG.
+///
+/// # Errors
+/// There is nothing to draw, or drawing failed.
+pub fn draw(samples: &Samples) -> anyhow::Result<String> {
+    anyhow::ensure!(samples.cycles.len() > VELOCITY_WINDOW, "there are too few samples for a picture");
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        area.fill(&WHITE)?;
+        let (upper, lower) = area.split_vertically(SIZE.1 / 2);
+        chart(&upper, "Position", "pulses", &positions(samples))?;
+        chart(&lower, "Velocity", "pulses/s", &velocities(samples))?;
+        area.present()?;
+    }
+    Ok(svg)
+}
+
+fn seconds(samples: &Samples, sample: &Sample) -> f64 {
+    sample.time.since(samples.cycles[0].time) as f64 / 1e9
+}
+
+fn curve(samples: &Samples, name: &'static str, color: RGBColor, width: u32, value: impl Fn(&Sample) -> Option<f64>) -> Curve {
+    let points = samples
+        .cycles
+        .iter()
+        .filter_map(|sample| Some((seconds(samples, sample), value(sample)?)))
+        .collect();
+    Curve {
+        name,
+        color,
+        width,
+        points,
+    }
+}
+
+fn positions(samples: &Samples) -> Vec<Curve> {
+    vec![
+        curve(samples, "target from the master (0x607A)", RGBColor(160, 160, 160), 5, |sample| {
+            sample.target.map(f64::from)
+        }),
+        curve(samples, "commanded by the drive (0x6064)", RGBColor(31, 119, 180), 3, |sample| {
+            Some(f64::from(sample.commanded))
+        }),
+        curve(samples, "actual, of the motor shaft", RGBColor(214, 39, 40), 1, |sample| {
+            Some(samples.shaft_from_home(sample))
+        }),
+    ]
+}
+
+fn velocities(samples: &Samples) -> Vec<Curve> {
+    let [_, commanded, shaft]: [Curve; 3] = positions(samples)
+        .try_into()
+        .unwrap_or_else(|_| unreachable!("there are three positions"));
+    [commanded, shaft].map(derivative).into()
+}
+
+/// The velocity of a position. Jumps of the position counter, as homing sets it, leave a gap.
+fn derivative(position: Curve) -> Curve {
+    const JUMP: f64 = 2_000.0;
+    let steady = |window: &&[(f64, f64)]| window.windows(2).all(|pair| (pair[1].1 - pair[0].1).abs() < JUMP);
+    let slope = |window: &[(f64, f64)]| {
+        let (first, last) = (window[0], window[window.len() - 1]);
+        let middle = (first.0 + last.0) / 2.0;
+        (middle, (last.1 - first.1) / (last.0 - first.0).max(1e-6))
+    };
+    Curve {
+        points: position.points.windows(VELOCITY_WINDOW).filter(steady).map(slope).collect(),
+        ..position
+    }
+}
+
+fn chart(area: &DrawingArea<SVGBackend, Shift>, title: &str, unit: &str, curves: &[Curve]) -> anyhow::Result<()> {
+    let all = || curves.iter().flat_map(|curve| &curve.points);
+    let end = all().map(|point| point.0).fold(0.0, f64::max);
+    let (low, high) = all().fold((f64::MAX, f64::MIN), |(low, high), point| (low.min(point.1), high.max(point.1)));
+    let margin = ((high - low) * 0.05).max(1.0);
+    let mut chart = ChartBuilder::on(area)
+        .caption(title, ("sans-serif", 22))
+        .margin(12)
+        .x_label_area_size(36)
+        .y_label_area_size(80)
+        .build_cartesian_2d(0.0..end, low - margin..high + margin)?;
+    chart
+        .configure_mesh()
+        .x_desc("time in OP, s")
+        .y_desc(unit)
+        .light_line_style(WHITE)
+        .draw()?;
+    for curve in curves {
+        let style = curve.color.stroke_width(curve.width);
+        chart
+            .draw_series(LineSeries::new(curve.points.iter().copied(), style))?
+            .label(curve.name)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
+    }
+    chart
+        .configure_series_labels()
+        .background_style(WHITE.mix(0.8))
+        .border_style(RGBColor(200, 200, 200))
+        .draw()?;
+    Ok(())
+}

@@ -1,0 +1,440 @@
+//! Captures: every frame of a link into a .pcapng file that Wireshark opens, and back out of one for replays.
+//!
+//! A disk that is full or gone must not stop a drive: a [`Recording`] goes on without its file, and [`Recorder::finish`] tells.
+use super::{Link, LinkError, Received};
+use pcap_file::pcapng::blocks::enhanced_packet::{EnhancedPacketBlock, EnhancedPacketOption};
+use pcap_file::pcapng::blocks::interface_description::{InterfaceDescriptionBlock, InterfaceDescriptionOption};
+use pcap_file::pcapng::{Block, PcapNgReader, PcapNgWriter};
+use pcap_file::{DataLink, PcapError};
+use std::borrow::Cow;
+use std::fmt;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant, SystemTime};
+
+/// So many bytes of capture wait in memory before they are written: some 400 small frames.
+const BUFFER: usize = 64 * 1024;
+
+/// Which way a frame went, seen from the end that recorded it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// The recording end received it.
+    Inbound,
+    /// The recording end sent it.
+    Outbound,
+}
+
+/// Writes frames to a .pcapng file with nanosecond time stamps.
+pub struct Recorder<W: Write = File> {
+    /// `None` after the first failure; what was written until then stays readable.
+    writer: Option<PcapNgWriter<BufWriter<W>>>,
+    failure: Option<io::Error>,
+}
+
+impl Recorder<File> {
+    /// Starts a capture in a new file at `path`, in place of one that is there. `interface` is what Wireshark shows as the interface's name.
+    pub fn create(path: &Path, interface: &str) -> io::Result<Self> {
+        Recorder::new(File::create(path)?, interface)
+    }
+}
+
+impl<W: Write> Recorder<W> {
+    /// Starts a capture in `destination`.
+    pub fn new(destination: W, interface: &str) -> io::Result<Self> {
+        let mut writer = PcapNgWriter::new(BufWriter::with_capacity(BUFFER, destination)).map_err(io_error)?;
+        let options = vec![
+            InterfaceDescriptionOption::IfName(Cow::Owned(interface.to_string())),
+            InterfaceDescriptionOption::IfTsResol(9),
+        ];
+        let description = InterfaceDescriptionBlock {
+            linktype: DataLink::ETHERNET,
+            snaplen: 0,
+            options,
+        };
+        writer.write_pcapng_block(description).map_err(io_error)?;
+        Ok(Recorder {
+            writer: Some(writer),
+            failure: None,
+        })
+    }
+
+    /// Adds a frame that passed at `time`, counted from the Unix epoch. After a failure, does nothing.
+    pub fn record(&mut self, time: Duration, direction: Direction, frame: &[u8]) {
+        let Some(writer) = &mut self.writer else { return };
+        let block = EnhancedPacketBlock {
+            interface_id: 0,
+            timestamp: time,
+            original_len: u32::try_from(frame.len()).unwrap_or(u32::MAX),
+            data: Cow::Borrowed(frame),
+            options: vec![EnhancedPacketOption::Flags(direction.flags())],
+        };
+        if let Err(error) = writer.write_pcapng_block(block) {
+            self.failure = Some(io_error(error));
+            self.writer = None;
+        }
+    }
+
+    /// Writes what is still in memory, and tells about the first failure of the whole capture. Dropping a recorder writes it as well, but tells nothing.
+    pub fn finish(mut self) -> io::Result<()> {
+        match (self.failure.take(), self.writer.take()) {
+            (Some(failure), _) => Err(failure),
+            (None, Some(mut writer)) => writer.get_mut().flush(),
+            (None, None) => Ok(()),
+        }
+    }
+}
+
+impl Direction {
+    /// The two lowest bits of a packet's flags (draft-ietf-opsawg-pcapng, 4.3.1).
+    fn flags(self) -> u32 {
+        match self {
+            Direction::Inbound => 1,
+            Direction::Outbound => 2,
+        }
+    }
+
+    fn from_flags(flags: u32) -> Option<Self> {
+        match flags & 3 {
+            1 => Some(Direction::Inbound),
+            2 => Some(Direction::Outbound),
+            _ => None,
+        }
+    }
+}
+
+/// A link that records every frame which passes through it.
+pub struct Recording<L: Link, W: Write = File> {
+    link: L,
+    recorder: Recorder<W>,
+    started: (Instant, Duration),
+}
+
+impl<L: Link, W: Write> Recording<L, W> {
+    /// Records `link` from now on, with the time of day as time stamps.
+    pub fn new(link: L, recorder: Recorder<W>) -> Self {
+        let since_epoch = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+        Recording {
+            link,
+            recorder,
+            started: (Instant::now(), since_epoch),
+        }
+    }
+
+    /// The link that is recorded.
+    pub fn link(&self) -> &L {
+        &self.link
+    }
+
+    /// Ends the recording; see [`Recorder::finish`].
+    pub fn finish(self) -> (L, io::Result<()>) {
+        (self.link, self.recorder.finish())
+    }
+
+    /// The time of day when the recording began and the steady clock since: a clock that is set back must not turn frames around.
+    fn now(&self) -> Duration {
+        self.started.1 + self.started.0.elapsed()
+    }
+}
+
+impl<L: Link, W: Write> Link for Recording<L, W> {
+    fn send(&mut self, frame: &[u8]) -> Result<(), LinkError> {
+        // Before the frame is recorded, so that the recording does not delay it; the time is that of sending.
+        let time = self.now();
+        self.link.send(frame)?;
+        self.recorder.record(time, Direction::Outbound, frame);
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], wait: Duration) -> Result<Received, LinkError> {
+        let received = self.link.receive(buffer, wait)?;
+        if let Received::Frame(length) = received {
+            self.recorder.record(self.now(), Direction::Inbound, &buffer[..length]);
+        }
+        Ok(received)
+    }
+}
+
+/// One frame of a capture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Packet {
+    /// When it passed, in nanoseconds since the Unix epoch.
+    pub timestamp_ns: u64,
+    /// Which way it went, if the capture says.
+    pub direction: Option<Direction>,
+    /// The frame, from its destination address on.
+    pub data: Vec<u8>,
+}
+
+/// Why a capture could not be read.
+#[derive(Debug)]
+pub struct ReadError {
+    path: PathBuf,
+    reason: Reason,
+}
+
+#[derive(Debug)]
+enum Reason {
+    Io(io::Error),
+    NotPcapng,
+    /// After so many readable frames.
+    Corrupt(usize, PcapError),
+    CutOff(usize),
+    NotEthernet(DataLink),
+}
+
+/// Reads all Ethernet frames of a .pcapng file, in the order of the file.
+pub fn read_pcapng(path: &Path) -> Result<Vec<Packet>, ReadError> {
+    let failed = |reason| ReadError { path: path.into(), reason };
+    let file = File::open(path).map_err(|error| failed(Reason::Io(error)))?;
+    read(file).map_err(failed)
+}
+
+fn read(source: impl io::Read) -> Result<Vec<Packet>, Reason> {
+    let mut reader = PcapNgReader::new(source).map_err(|error| match error {
+        PcapError::IoError(error) if error.kind() != io::ErrorKind::UnexpectedEof => Reason::Io(error),
+        _ => Reason::NotPcapng,
+    })?;
+    let mut packets = Vec::new();
+    loop {
+        // One after the other, as the reader lends its buffer to each block.
+        let packet = match reader.next_block() {
+            None => return Ok(packets),
+            Some(Ok(Block::EnhancedPacket(packet))) => packet.into_owned(),
+            Some(Ok(_)) => continue,
+            Some(Err(PcapError::IoError(error))) if error.kind() == io::ErrorKind::UnexpectedEof => {
+                return Err(Reason::CutOff(packets.len()));
+            }
+            Some(Err(PcapError::IoError(error))) => return Err(Reason::Io(error)),
+            Some(Err(error)) => return Err(Reason::Corrupt(packets.len(), error)),
+        };
+        let Some(interface) = reader.packet_interface(&packet) else {
+            return Err(Reason::Corrupt(packets.len(), PcapError::InvalidInterfaceId(packet.interface_id)));
+        };
+        if interface.linktype != DataLink::ETHERNET {
+            return Err(Reason::NotEthernet(interface.linktype));
+        }
+        let direction = packet.options.iter().find_map(|option| match option {
+            EnhancedPacketOption::Flags(flags) => Direction::from_flags(*flags),
+            _ => None,
+        });
+        packets.push(Packet {
+            timestamp_ns: nanoseconds(packet.timestamp, interface),
+            direction,
+            data: packet.data.into_owned(),
+        });
+    }
+}
+
+/// The reader takes every time stamp for nanoseconds; what its unit is, the interface's description says (6: microseconds, without one as well).
+fn nanoseconds(timestamp: Duration, interface: &InterfaceDescriptionBlock<'_>) -> u64 {
+    let units = timestamp.as_nanos();
+    let resolution = interface.options.iter().find_map(|option| match option {
+        InterfaceDescriptionOption::IfTsResol(resolution) => Some(*resolution),
+        _ => None,
+    });
+    let exponent = u32::from(resolution.unwrap_or(6) & 0x7F);
+    let nanoseconds = match resolution {
+        // The highest bit makes it a power of two.
+        Some(resolution) if resolution & 0x80 != 0 => units.saturating_mul(1_000_000_000).checked_shr(exponent).unwrap_or(0),
+        _ if exponent <= 9 => units.saturating_mul(10_u128.pow(9 - exponent)),
+        _ => units / 10_u128.checked_pow(exponent - 9).unwrap_or(u128::MAX),
+    };
+    u64::try_from(nanoseconds).unwrap_or(u64::MAX)
+}
+
+fn io_error(error: PcapError) -> io::Error {
+    match error {
+        PcapError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        match &self.reason {
+            Reason::Io(error) => write!(f, "could not read capture {path}: {error}"),
+            Reason::NotPcapng => {
+                write!(
+                    f,
+                    "{path} is not a .pcapng capture; from another format, Wireshark's \"editcap -F pcapng {path} NEW\" makes one"
+                )
+            }
+            Reason::Corrupt(frames, error) => write!(f, "capture {path} is corrupt after {frames} frames: {error}"),
+            Reason::CutOff(frames) => {
+                write!(
+                    f,
+                    "capture {path} is cut off after {frames} frames: whatever recorded it did not get to the end"
+                )
+            }
+            Reason::NotEthernet(kind) => write!(f, "capture {path} holds {kind:?} packets, not Ethernet frames"),
+        }
+    }
+}
+
+impl std::error::Error for ReadError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.reason {
+            Reason::Io(error) => Some(error),
+            Reason::Corrupt(_, error) => Some(error),
+            Reason::NotPcapng | Reason::CutOff(_) | Reason::NotEthernet(_) => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::VecDeque;
+
+    /// Sends into nothing, receives what it was given.
+    struct Script(VecDeque<Vec<u8>>);
+
+    impl Link for Script {
+        fn send(&mut self, _frame: &[u8]) -> Result<(), LinkError> {
+            Ok(())
+        }
+
+        fn receive(&mut self, buffer: &mut [u8], _wait: Duration) -> Result<Received, LinkError> {
+            let Some(frame) = self.0.pop_front() else {
+                return Ok(Received::Timeout);
+            };
+            buffer[..frame.len()].copy_from_slice(&frame);
+            Ok(Received::Frame(frame.len()))
+        }
+    }
+
+    /// A disk with this many bytes left.
+    struct SmallDisk(usize);
+
+    impl Write for SmallDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            if self.0 < bytes.len() {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            self.0 -= bytes.len();
+            Ok(bytes.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn capture(frames: &[(u64, Direction, Vec<u8>)]) -> Vec<u8> {
+        let mut file = Vec::new();
+        let mut recorder = Recorder::new(&mut file, "veth-drive").unwrap();
+        for (time, direction, frame) in frames {
+            recorder.record(Duration::from_nanos(*time), *direction, frame);
+        }
+        recorder.finish().unwrap();
+        file
+    }
+
+    #[test]
+    fn a_recording_holds_both_directions_in_order() {
+        let mut file = Vec::new();
+        let link = Script([vec![1; 60], vec![2; 1514]].into());
+        let mut recording = Recording::new(link, Recorder::new(&mut file, "veth-drive").unwrap());
+        let mut buffer = [0; super::super::MAX_FRAME];
+        assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Frame(60));
+        recording.send(&buffer[..60]).unwrap();
+        assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Frame(1514));
+        assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Timeout);
+        recording.finish().1.unwrap();
+
+        let packets = read(&file[..]).unwrap();
+        let seen: Vec<_> = packets.iter().map(|packet| (packet.direction, packet.data.len())).collect();
+        let expected = [(Direction::Inbound, 60), (Direction::Outbound, 60), (Direction::Inbound, 1514)];
+        assert_eq!(seen, expected.map(|(direction, length)| (Some(direction), length)));
+        assert!(packets.is_sorted_by_key(|packet| packet.timestamp_ns));
+    }
+
+    #[test]
+    fn a_dropped_recorder_loses_nothing() {
+        let mut file = Vec::new();
+        let mut recorder = Recorder::new(&mut file, "veth-drive").unwrap();
+        recorder.record(Duration::from_secs(1), Direction::Inbound, &[7; 60]);
+        drop(recorder);
+        assert_eq!(read(&file[..]).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn a_full_disk_stops_the_recording_but_not_the_link() {
+        let recorder = Recorder::new(SmallDisk(100_000), "veth-drive").unwrap();
+        let mut recording = Recording::new(Script(vec![vec![0; 1500]; 200].into()), recorder);
+        let mut buffer = [0; 1522];
+        for _ in 0..200 {
+            assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Frame(1500));
+        }
+        assert_eq!(recording.finish().1.unwrap_err().kind(), io::ErrorKind::StorageFull);
+    }
+
+    #[test]
+    fn time_stamps_come_back_in_nanoseconds_whatever_their_unit() {
+        for (resolution, units, expected) in [
+            (Some(9), 1_234, 1_234),
+            (Some(6), 5, 5_000),
+            (None, 5, 5_000),
+            (Some(12), 5_000, 5),
+            (Some(0x80 | 10), 1024, 1_000_000_000),
+        ] {
+            let options = resolution.map(InterfaceDescriptionOption::IfTsResol).into_iter().collect();
+            let interface = InterfaceDescriptionBlock {
+                linktype: DataLink::ETHERNET,
+                snaplen: 0,
+                options,
+            };
+            assert_eq!(nanoseconds(Duration::from_nanos(units), &interface), expected, "{resolution:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_capture_is_refused_with_its_path_and_a_remedy() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let text = read_pcapng(&path).unwrap_err().to_string();
+        assert!(text.contains("Cargo.toml") && text.contains("editcap -F pcapng"), "{text}");
+        let text = read_pcapng(Path::new("/no/such/file.pcapng")).unwrap_err().to_string();
+        assert!(text.starts_with("could not read capture /no/such/file.pcapng: "), "{text}");
+    }
+
+    #[test]
+    fn a_cut_off_capture_says_how_much_of_it_was_readable() {
+        let file = capture(&[(1, Direction::Inbound, vec![0; 60]), (2, Direction::Outbound, vec![0; 60])]);
+        assert!(matches!(read(&file[..file.len() - 5]), Err(Reason::CutOff(1))));
+    }
+
+    fn frames() -> impl Strategy<Value = Vec<(u64, Direction, Vec<u8>)>> {
+        let direction = prop_oneof![Just(Direction::Inbound), Just(Direction::Outbound)];
+        proptest::collection::vec((any::<u64>(), direction, proptest::collection::vec(any::<u8>(), 0..1522)), 0..8)
+    }
+
+    proptest! {
+        // Each run reads with the 8 MB buffer that the reader takes.
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn every_frame_comes_back_as_it_was_recorded(frames in frames()) {
+            let packets = read(&capture(&frames)[..]).unwrap();
+            let back: Vec<_> = packets.into_iter().map(|packet| (packet.timestamp_ns, packet.direction.unwrap(), packet.data)).collect();
+            prop_assert_eq!(back, frames);
+        }
+
+        #[test]
+        fn a_corrupt_capture_is_an_error_or_fewer_frames_but_never_a_panic(
+            frames in frames(),
+            damage in proptest::collection::vec((any::<proptest::sample::Index>(), any::<u8>()), 1..8),
+        ) {
+            let mut file = capture(&frames);
+            for (place, value) in damage {
+                let place = place.index(file.len());
+                file[place] = value;
+            }
+            if let Ok(packets) = read(&file[..]) {
+                prop_assert!(packets.iter().map(|packet| packet.data.len()).sum::<usize>() <= file.len());
+            }
+        }
+    }
+}

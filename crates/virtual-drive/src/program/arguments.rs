@@ -1,0 +1,184 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::master::sdo::Address;
+
+/// A virtual USR2556E EtherCAT stepper drive, for any EtherCAT master.
+///
+/// Without a command, shows the drive at work: one virtual drive and the built-in master in this process, no network and no privileges.
+#[derive(Debug, Parser)]
+#[command(name = "usr2556e", version, args_conflicts_with_subcommands = true)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+    /// The demonstration's options.
+    #[command(flatten)]
+    pub demonstration: Demonstration,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Serve drives to the master on a network interface, until Ctrl-C (needs the right to send raw frames)
+    Run(Run),
+    /// Serve drives to a command in a network of its own (needs no root)
+    Exec(Exec),
+    /// List the drives on an interface, with the built-in master
+    Scan(Scan),
+    /// Read or write one object of a drive on an interface, with the built-in master
+    Sdo(Sdo),
+    /// Move a drive on an interface to a position and disable it again, with the built-in master
+    Move(Move),
+    /// Write the device description (ESI XML) for engineering tools
+    Esi(Esi),
+    /// Write the EEPROM image (SII) of a new unit
+    Sii(Sii),
+}
+
+/// Options of the demonstration.
+#[derive(Debug, Args)]
+pub struct Demonstration {
+    /// Folder for the capture and the picture
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub output: PathBuf,
+    /// Let simulated time run as fast as it can: the same result on every machine
+    #[arg(long)]
+    pub lock_step: bool,
+}
+
+/// What is served, for `run` and `exec`.
+#[derive(Debug, Args)]
+pub struct Served {
+    /// Number of drives, each plugged into the one before it
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub drives: u16,
+    /// Folder that keeps the drives' EEPROMs, a file each; without it every start is a new unit's
+    #[arg(long, value_name = "DIR")]
+    pub eeprom: Option<PathBuf>,
+    /// Write every frame to this .pcapng file
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+}
+
+/// Options of `run`.
+#[derive(Debug, Args)]
+pub struct Run {
+    /// Network interface of the master's cable, or one end of a veth pair
+    #[arg(long, value_name = "IFACE")]
+    pub interface: String,
+    /// What is served.
+    #[command(flatten)]
+    pub served: Served,
+}
+
+/// Options of `exec`.
+#[derive(Debug, Args)]
+pub struct Exec {
+    /// What is served.
+    #[command(flatten)]
+    pub served: Served,
+    /// The command and its arguments; it finds the interface's name in USR2556E_INTERFACE
+    #[arg(last = true, required = true, value_name = "COMMAND")]
+    pub command: Vec<std::ffi::OsString>,
+}
+
+/// Options of `scan`.
+#[derive(Debug, Args)]
+pub struct Scan {
+    /// Network interface of the drives' cable
+    #[arg(long, value_name = "IFACE", env = "USR2556E_INTERFACE")]
+    pub interface: String,
+}
+
+/// Options of `sdo`.
+#[derive(Debug, Args)]
+pub struct Sdo {
+    /// Network interface of the drives' cable
+    #[arg(long, value_name = "IFACE", env = "USR2556E_INTERFACE")]
+    pub interface: String,
+    /// Position of the drive on the bus, counted from 1
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub drive: u16,
+    /// What to do with the object.
+    #[command(subcommand)]
+    pub transfer: Transfer,
+}
+
+/// What `sdo` does.
+#[derive(Debug, Subcommand)]
+pub enum Transfer {
+    /// Read an object
+    Read {
+        /// Index and sub-index in hexadecimal, as in 6041 or 1018:1
+        address: Address,
+    },
+    /// Write an object of up to four bytes
+    Write {
+        /// Index and sub-index in hexadecimal, as in 2000 or 6099:1
+        address: Address,
+        /// The value, decimal or 0x
+        #[arg(allow_negative_numbers = true)]
+        value: String,
+    },
+}
+
+/// Options of `move`.
+#[derive(Debug, Args)]
+pub struct Move {
+    /// Network interface of the drives' cable
+    #[arg(long, value_name = "IFACE", env = "USR2556E_INTERFACE")]
+    pub interface: String,
+    /// Position of the drive on the bus, counted from 1
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub drive: u16,
+    /// Where to, or how far.
+    #[command(flatten)]
+    pub target: Target,
+    /// Profile velocity in pulses/s (0x6081)
+    #[arg(long, value_name = "PULSES/S", default_value_t = 10_000, value_parser = clap::value_parser!(u32).range(1..=2_147_483_647))]
+    pub velocity: u32,
+    /// Profile acceleration in pulses/s^2 (0x6083)
+    #[arg(long, value_name = "PULSES/S2", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..=2_147_483_647))]
+    pub acceleration: u32,
+    /// Profile deceleration in pulses/s^2 (0x6084)
+    #[arg(long, value_name = "PULSES/S2", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1..=2_147_483_647))]
+    pub deceleration: u32,
+}
+
+/// Where to, or how far.
+#[derive(Clone, Copy, Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct Target {
+    /// Move to this position in pulses
+    #[arg(long, value_name = "PULSES", allow_negative_numbers = true)]
+    pub to: Option<i32>,
+    /// Move by this distance in pulses
+    #[arg(long, value_name = "PULSES", allow_negative_numbers = true)]
+    pub by: Option<i32>,
+}
+
+/// Options of `esi`.
+#[derive(Debug, Args)]
+pub struct Esi {
+    /// File to write instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Options of `sii`.
+#[derive(Debug, Args)]
+pub struct Sii {
+    /// File to write instead of standard output
+    #[arg(long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Serial number
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub serial: u32,
+    /// Station alias
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub alias: u16,
+}

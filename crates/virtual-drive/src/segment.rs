@@ -1,0 +1,153 @@
+//! Drives in a line, and the wire that ends in this process.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use esc::{Processed, Segment};
+use wire::Nanos;
+
+use crate::clock::Clock;
+use crate::drive::{DriveConfig, VirtualDrive};
+use crate::link::pcap::{Direction, Recorder};
+use crate::link::{Link, LinkError, Received};
+
+/// Virtual drives, each plugged into the one before it.
+pub struct VirtualSegment {
+    segment: Segment<Vec<VirtualDrive>>,
+}
+
+impl VirtualSegment {
+    /// Drives as configured, from the master outwards, just switched on.
+    pub fn new(drives: impl IntoIterator<Item = DriveConfig>) -> Self {
+        Self {
+            segment: Segment::new(drives.into_iter().map(VirtualDrive::new).collect()),
+        }
+    }
+
+    /// `count` new drives.
+    pub fn of(count: usize) -> Self {
+        Self::new((0..count).map(DriveConfig::numbered))
+    }
+
+    /// Lets a frame that arrives at `now` pass through all drives. Returns whether it comes back; frames of other protocols do not.
+    ///
+    /// The simulation stays where it is, so that the answer need not wait for it; call [`Self::catch_up`] after sending it.
+    pub fn process(&mut self, frame: &mut [u8], now: Nanos) -> bool {
+        matches!(self.segment.process(frame, now), Processed::Returned)
+    }
+
+    /// Simulates every drive up to `now`.
+    pub fn catch_up(&mut self, now: Nanos) {
+        for drive in self.drives_mut() {
+            drive.catch_up(now);
+        }
+    }
+
+    /// The drives, from the master outwards.
+    pub fn drives(&self) -> &[VirtualDrive] {
+        self.segment.drives()
+    }
+
+    /// The drives, from the master outwards.
+    pub fn drives_mut(&mut self) -> &mut [VirtualDrive] {
+        self.segment.drives_mut()
+    }
+}
+
+/// Time a frame spends on a 100 Mbit/s wire at the least: what each frame costs in lock-step.
+const FRAME_TIME: Nanos = Nanos(6_720);
+
+/// The longest step of time while a master waits in lock-step, so that it sees changes as they come.
+const WAIT_STEP: Nanos = Nanos(100_000);
+
+/// Frames a master may have under way before it fetches them; further ones are lost, as in a full network buffer.
+const FRAMES_UNDER_WAY: usize = 64;
+
+/// A wire inside this process with drives at its other end: no network, no privileges.
+pub struct InMemory {
+    segment: VirtualSegment,
+    clock: Clock,
+    returning: VecDeque<Vec<u8>>,
+    recorder: Option<Recorder>,
+}
+
+impl InMemory {
+    /// A wire to `segment` in the time of `clock`.
+    pub fn new(segment: VirtualSegment, clock: Clock) -> Self {
+        Self {
+            segment,
+            clock,
+            returning: VecDeque::new(),
+            recorder: None,
+        }
+    }
+
+    /// Records every frame in both directions, in the time of the clock, counted from the Unix epoch.
+    pub fn with_recorder(mut self, recorder: Recorder) -> Self {
+        self.recorder = Some(recorder);
+        self
+    }
+
+    /// Ends the recording.
+    pub fn take_recorder(&mut self) -> Option<Recorder> {
+        self.recorder.take()
+    }
+
+    fn record(&mut self, direction: Direction, frame: &[u8]) {
+        let now = Duration::from_nanos(self.clock.now().0);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.record(now, direction, frame);
+        }
+    }
+
+    /// The drives at the other end.
+    pub fn segment(&self) -> &VirtualSegment {
+        &self.segment
+    }
+
+    /// The drives at the other end.
+    pub fn segment_mut(&mut self) -> &mut VirtualSegment {
+        &mut self.segment
+    }
+
+    /// The present instant.
+    pub fn now(&self) -> Nanos {
+        self.clock.now()
+    }
+
+    /// Lets time pass up to `instant` and simulates the drives meanwhile.
+    pub fn wait_until(&mut self, instant: Nanos) {
+        self.clock.wait_until(instant);
+        self.segment.catch_up(self.clock.now());
+    }
+}
+
+impl Link for InMemory {
+    fn send(&mut self, frame: &[u8]) -> Result<(), LinkError> {
+        if let Clock::LockStep(now) = &mut self.clock {
+            now.0 += FRAME_TIME.0;
+        }
+        let now = self.clock.now();
+        self.record(Direction::Outbound, frame);
+        let mut frame = frame.to_vec();
+        if self.segment.process(&mut frame, now) && self.returning.len() < FRAMES_UNDER_WAY {
+            self.record(Direction::Inbound, &frame);
+            self.returning.push_back(frame);
+        }
+        self.segment.catch_up(now);
+        Ok(())
+    }
+
+    fn receive(&mut self, buffer: &mut [u8], wait: Duration) -> Result<Received, LinkError> {
+        if let Some(frame) = self.returning.pop_front() {
+            let Some(place) = buffer.get_mut(..frame.len()) else {
+                return Ok(Received::Timeout);
+            };
+            place.copy_from_slice(&frame);
+            return Ok(Received::Frame(frame.len()));
+        }
+        let step = (wait.as_nanos() as u64).min(WAIT_STEP.0);
+        self.wait_until(Nanos(self.clock.now().0 + step));
+        Ok(Received::Timeout)
+    }
+}

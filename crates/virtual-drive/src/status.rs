@@ -1,0 +1,105 @@
+//! The status line of each drive.
+
+use std::fmt;
+
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+
+use crate::drive::DriveStatus;
+use crate::segment::VirtualSegment;
+use crate::server::Traffic;
+
+impl fmt::Display for DriveStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:6}", self.al_state.name())?;
+        if self.al_status_code.code() != 0 {
+            write!(f, " (0x{:04X})", self.al_status_code.code())?;
+        }
+        write!(f, "  {:22} {:7}", self.power_state.name(), mode_name(self.mode))?;
+        write!(
+            f,
+            "  position {:>11}  shaft {:>9.3} turns  {:>5} rpm",
+            self.position, self.shaft.0, self.velocity_rpm
+        )?;
+        if self.error_code != 0 {
+            write!(f, "  error 0x{:04X}", self.error_code)?;
+        }
+        Ok(())
+    }
+}
+
+/// What a mode of operation is called for short.
+fn mode_name(mode: i8) -> &'static str {
+    match mode {
+        1 => "PP",
+        3 => "PV",
+        6 => "homing",
+        8 => "CSP",
+        _ => "no mode",
+    }
+}
+
+/// One line a drive: rewritten in place on a terminal, written anew when a state changes elsewhere.
+pub struct StatusLines {
+    bars: Vec<ProgressBar>,
+    /// Draws the bars; nothing is drawn without it.
+    _frame: MultiProgress,
+    is_terminal: bool,
+    states: Vec<String>,
+    was_up: bool,
+}
+
+impl StatusLines {
+    /// Lines for so many drives.
+    pub fn new(drives: usize) -> Self {
+        let frame = MultiProgress::new();
+        let style = ProgressStyle::with_template("{prefix:>4} {wide_msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
+        let line = |number: usize| {
+            let bar = frame.add(ProgressBar::new_spinner());
+            bar.set_style(style.clone());
+            bar.set_prefix(number.to_string());
+            bar
+        };
+        let bars: Vec<ProgressBar> = (1..=drives).map(line).collect();
+        let is_terminal = bars.first().is_some_and(|bar| !bar.is_hidden());
+        Self {
+            bars,
+            _frame: frame,
+            is_terminal,
+            states: vec![String::new(); drives],
+            was_up: true,
+        }
+    }
+
+    /// Shows how the drives are.
+    pub fn show(&mut self, segment: &VirtualSegment, traffic: Traffic) {
+        if traffic.up != self.was_up {
+            self.was_up = traffic.up;
+            eprintln!(
+                "{}",
+                if traffic.up {
+                    "The interface is up again."
+                } else {
+                    "The interface went down; waiting for it."
+                }
+            );
+        }
+        for (position, drive) in segment.drives().iter().enumerate() {
+            let status = drive.status();
+            if self.is_terminal {
+                self.bars[position].set_message(status.to_string());
+            } else {
+                let state = format!(
+                    "{} {} {} {}",
+                    status.al_state.name(),
+                    status.al_status_code.code(),
+                    status.power_state.name(),
+                    status.mode
+                );
+                if state != self.states[position] {
+                    println!("{:>4} {status}", position + 1);
+                    self.states[position] = state;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,7 @@
+//! The `ethercrab` master against the virtual drive, in memory and in lock-step.
+
+mod bus;
+mod homing;
+mod mapping;
+mod motion;
+mod objects;

@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""Drives USR2556E stepper drives, virtual or real, with the SOEM master, and checks what they answer.
+
+Usage: pysoem_session.py [INTERFACE] [--slaves N] [--sessions N] [--period-us N]
+
+INTERFACE defaults to the environment variable USR2556E_INTERFACE. Needs the right to open raw sockets. The motor turns half a
+turn to and fro. Each session scans, reads and writes objects, maps process data three times and moves in OP, without and with
+distributed clocks; it ends in INIT, and the next one starts from there without a power cycle. The exit code is 0 when all of it held.
+"""
+
+import argparse
+import os
+import sys
+
+try:
+    import pysoem
+except ImportError:
+    sys.exit("FAIL pysoem is not installed: pip install --requirement tests/python/requirements.txt")
+
+import motion
+import objects
+from segment import DEFAULT_INPUTS, DEFAULT_OUTPUTS, Layout, Segment
+from verdict import Failure, expect_equal, ok
+
+# A mapping other than the default, with profile velocity in the outputs and error code in the inputs.
+OTHER_OUTPUTS = Layout([(0x6040, 16), (0x6060, 8), (0x607A, 32), (0x6081, 32)], "HbiI")
+OTHER_INPUTS = Layout([(0x6041, 16), (0x6061, 8), (0x6064, 32), (0x60FD, 32), (0x603F, 16)], "HbiIH")
+
+SYNC_MANAGER, SYNC0 = 1, 2
+
+# Half a turn at the default resolution, in pulses.
+DISTANCE = 5000
+
+# Sync errors in a row that a drive forgives (0x10F1:02); this master is no real-time program.
+FORGIVEN_SYNC_ERRORS = 1000
+
+
+def default_mapping(segment, count):
+    """The mapping as it is after power-up, in plain sync manager operation."""
+    segment.scan(count)
+    for drive in segment.drives:
+        objects.check_reads(drive)
+        objects.check_writes(drive)
+        objects.check_absent(drive)
+        objects.check_mapping(drive, DEFAULT_OUTPUTS, DEFAULT_INPUTS)
+    segment.map()
+    segment.start()
+    move(segment, SYNC_MANAGER)
+    segment.stop()
+
+
+def other_mapping(segment, count):
+    """A mapping written by SDO. The drives stay in OP: the next scan must find them there."""
+    segment.scan(count)
+    segment.map(OTHER_OUTPUTS, OTHER_INPUTS, lambda drive: objects.write_mapping(drive, OTHER_OUTPUTS, OTHER_INPUTS))
+    for drive in segment.drives:
+        objects.check_mapping(drive, OTHER_OUTPUTS, OTHER_INPUTS)
+    segment.start()
+    move(segment, SYNC_MANAGER)
+    expect_equal([row[4] for row in segment.cycle()], [0] * count, "0x603F in the inputs")
+
+
+def distributed_clocks(segment, count):
+    """The default mapping written back, SYNC0 at the segment's period."""
+
+    def configure(drive):
+        objects.write_mapping(drive, DEFAULT_OUTPUTS, DEFAULT_INPUTS)
+        drive.sdo_write(0x10F1, 2, FORGIVEN_SYNC_ERRORS.to_bytes(2, "little"))
+
+    segment.scan(count)
+    segment.map(configure=configure, with_clocks=True)
+    segment.start()
+    move(segment, SYNC0)
+    segment.stop()
+
+
+def move(segment, sync_type):
+    """Enables the drives, moves them to and fro, disables them."""
+    for drive in segment.drives:
+        objects.check_in_operation(drive, sync_type)
+    positions = motion.enable(segment)
+    positions = motion.ramp(segment, positions, DISTANCE)
+    motion.ramp(segment, positions, -DISTANCE)
+    motion.disable(segment)
+
+
+def run(arguments):
+    """Runs all sessions, each with a master of its own."""
+    for number in range(1, arguments.sessions + 1):
+        segment = Segment(arguments.interface, arguments.period_us * 1000)
+        try:
+            for part in (default_mapping, other_mapping, distributed_clocks):
+                title = part.__name__.replace("_", " ")
+                print(f"--- session {number}: {title}", flush=True)
+                part(segment, arguments.slaves)
+        finally:
+            segment.close()
+
+
+def describe(error):
+    """An error of the master in words; its exceptions carry them in attributes."""
+    if isinstance(error, pysoem.SdoError):
+        return f"SDO {error.index:#06x}:{error.subindex:02} of slave {error.slave_pos}: abort {error.abort_code & 0xFFFFFFFF:#010x} {error.desc}"
+    if isinstance(error, pysoem.ConfigMapError):
+        return "mapping: " + "; ".join(describe(part) for part in error.error_list)
+    if isinstance(error, (pysoem.MailboxError, pysoem.PacketError)):
+        return f"mailbox of slave {error.slave_pos}: error {error.error_code:#x} {error.desc}"
+    if isinstance(error, pysoem.Emergency):
+        return f"emergency: {error}"
+    if isinstance(error, pysoem.WkcError):
+        return f"no answer from the mailbox or a register, working counter {error.wkc}"
+    return f"{error}"
+
+
+MASTER_ERRORS = (
+    pysoem.SdoError,
+    pysoem.ConfigMapError,
+    pysoem.MailboxError,
+    pysoem.PacketError,
+    pysoem.Emergency,
+    pysoem.WkcError,
+)
+
+
+def main():
+    """Reads the command line, runs, and says how it ended."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("interface", nargs="?", default=os.environ.get("USR2556E_INTERFACE"), help="default: $USR2556E_INTERFACE")
+    parser.add_argument("--slaves", type=int, default=1, help="how many drives must answer (default 1)")
+    parser.add_argument("--sessions", type=int, default=2, help="how often to run all of it without a power cycle (default 2)")
+    parser.add_argument("--period-us", type=int, default=1000, help="period of the process data and of SYNC0 (default 1000)")
+    arguments = parser.parse_args()
+    if not arguments.interface:
+        parser.error("no interface: name one, or set USR2556E_INTERFACE")
+    try:
+        run(arguments)
+    except (Failure, ConnectionError, *MASTER_ERRORS) as error:
+        print(f"FAIL {describe(error)}", flush=True)
+        return 1
+    ok(f"everything (sessions: {arguments.sessions}, drives: {arguments.slaves})")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
