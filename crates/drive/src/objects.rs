@@ -18,28 +18,22 @@ dictionary::object_dictionary! {
         /// Polarity of the outputs, bit 0 OUT1, bit 1 OUT2: 0 normally closed, 1 normally open (manual 2.2.6).
         0x2006:0 output_polarity: u16 = 3, RW | RX_PDO | TX_PDO | SAVED, in 0..=3, "Outputs Polarity";
         /// Function of IN1: 0 general, 1 CW limit, 2 CCW limit, 3 home, 4 fault clearance, 5 emergency stop,
-        /// 6 motor offline, 7 probe 1, 8 probe 2
-        /// (manual 2.2.7).
+        /// 6 motor offline, 7 probe 1, 8 probe 2 (manual 2.2.7).
         0x2007:1 input_1_function: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=8, "Input 1 Function" of "Inputs Function";
         /// Function of IN2: 0 general, 1 CW limit, 2 CCW limit, 3 home, 4 fault clearance, 5 emergency stop,
-        /// 6 motor offline, 7 probe 1, 8 probe 2
-        /// (manual 2.2.7).
+        /// 6 motor offline, 7 probe 1, 8 probe 2 (manual 2.2.7).
         0x2007:2 input_2_function: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=8, "Input 2 Function" of "Inputs Function";
         /// Function of IN3: 0 general, 1 CW limit, 2 CCW limit, 3 home, 4 fault clearance, 5 emergency stop,
-        /// 6 motor offline, 7 probe 1, 8 probe 2
-        /// (manual 2.2.7).
+        /// 6 motor offline, 7 probe 1, 8 probe 2 (manual 2.2.7).
         0x2007:3 input_3_function: u16 = 1, RW | RX_PDO | TX_PDO | SAVED, in 0..=8, "Input 3 Function" of "Inputs Function";
         /// Function of IN4: 0 general, 1 CW limit, 2 CCW limit, 3 home, 4 fault clearance, 5 emergency stop,
-        /// 6 motor offline, 7 probe 1, 8 probe 2
-        /// (manual 2.2.7).
+        /// 6 motor offline, 7 probe 1, 8 probe 2 (manual 2.2.7).
         0x2007:4 input_4_function: u16 = 2, RW | RX_PDO | TX_PDO | SAVED, in 0..=8, "Input 4 Function" of "Inputs Function";
         /// Function of IN5: 0 general, 1 CW limit, 2 CCW limit, 3 home, 4 fault clearance, 5 emergency stop,
-        /// 6 motor offline, 7 probe 1, 8 probe 2
-        /// (manual 2.2.7).
+        /// 6 motor offline, 7 probe 1, 8 probe 2 (manual 2.2.7).
         0x2007:5 input_5_function: u16 = 3, RW | RX_PDO | TX_PDO | SAVED, in 0..=8, "Input 5 Function" of "Inputs Function";
         /// Function of IN6: 0 general, 1 CW limit, 2 CCW limit, 3 home, 4 fault clearance, 5 emergency stop,
-        /// 6 motor offline, 7 probe 1, 8 probe 2
-        /// (manual 2.2.7).
+        /// 6 motor offline, 7 probe 1, 8 probe 2 (manual 2.2.7).
         0x2007:6 input_6_function: u16 = 6, RW | RX_PDO | TX_PDO | SAVED, in 0..=8, "Input 6 Function" of "Inputs Function";
         /// Polarity of the inputs, bit 0 IN1 to bit 5 IN6: 0 normally closed, 1 normally open (manual 2.2.8).
         /// A normally open input is valid while its opto-coupler carries current, a normally closed one while it carries none.
@@ -63,7 +57,8 @@ dictionary::object_dictionary! {
         /// Winding inductance as identified (manual 2.2.12).
         0x200C:3 inductance_auto: u16 = 1, RO | TX_PDO, in 0..=10, unit "mH", "Inductance Auto" of "Motor parameters";
         /// Winding resistance as the user states it (manual 2.2.12).
-        0x200C:4 resistance_set: u16 = 1000, RW | RX_PDO | TX_PDO | SAVED, in 0..=10000, unit "mOhm", "Resistance Set" of "Motor parameters";
+        0x200C:4 resistance_set: u16 = 1000, RW | RX_PDO | TX_PDO | SAVED, in 0..=10000,
+            unit "mOhm", "Resistance Set" of "Motor parameters";
         /// Winding inductance as the user states it (manual 2.2.12).
         0x200C:5 inductance_set: u16 = 1, RW | RX_PDO | TX_PDO | SAVED, in 1..=10, unit "mH", "Inductance Set" of "Motor parameters";
         /// Back-EMF coefficient (manual 2.2.12).
@@ -182,7 +177,8 @@ dictionary::object_dictionary! {
         /// Homing method (manual 2.3.14).
         0x6098:0 homing_method: i8 = 17, RW | RX_PDO | TX_PDO, in 17..=35, "Homing Method";
         /// Homing speed towards a switch (manual 2.3.15).
-        0x6099:1 homing_speed_fast: u32 = 10000, RW | RX_PDO | TX_PDO | SAVED, unit "Pulse/s", "Homing Velocity (fast)" of "Homing Velocity";
+        0x6099:1 homing_speed_fast: u32 = 10000, RW | RX_PDO | TX_PDO | SAVED,
+            unit "Pulse/s", "Homing Velocity (fast)" of "Homing Velocity";
         /// Homing speed towards the deciding edge (manual 2.3.15).
         0x6099:2 homing_speed_slow: u32 = 2000, RW | RX_PDO | TX_PDO | SAVED, unit "Pulse/s", "Homing Velocity (slow)" of "Homing Velocity";
         /// Acceleration and deceleration in homing (manual 2.3.16). 0 counts as 1.

@@ -21,10 +21,16 @@ enum Step {
     Ticks(u16),
 }
 
+fn write() -> impl Strategy<Value = Step> {
+    let value = prop_oneof![any::<u64>(), 0u64..40, Just(u64::MAX)];
+    (0..DriveObjects::ENTRIES.len(), value).prop_map(|(slot, value)| Step::Write(slot, value))
+}
+
 fn steps() -> impl Strategy<Value = Vec<Step>> {
     let step = prop_oneof![
-        6 => (0..DriveObjects::ENTRIES.len(), prop_oneof![any::<u64>(), 0u64..40, Just(u64::MAX)]).prop_map(|(slot, value)| Step::Write(slot, value)),
-        6 => prop_oneof![any::<u16>(), Just(0x06), Just(0x0F), Just(0x1F), Just(0x5F), Just(0x7F), Just(0x80)].prop_map(Step::Controlword),
+        6 => write(),
+        6 => prop_oneof![any::<u16>(), Just(0x06), Just(0x0F), Just(0x1F), Just(0x5F), Just(0x7F), Just(0x80)]
+            .prop_map(Step::Controlword),
         2 => prop_oneof![Just(1i8), Just(3), Just(6), Just(8), any::<i8>()].prop_map(Step::Mode),
         1 => prop_oneof![3 => 0u8..32, 1 => any::<u8>()].prop_map(Step::Inputs),
         1 => prop_oneof![9 => Just(24_000), 1 => any::<i32>()].prop_map(Step::Bus),
@@ -81,12 +87,12 @@ proptest! {
         rig.bus = Millivolts(24_000);
         rig.drive.set_network(true);
         rig.objects.input_polarity = 0x3F;
-        rig.objects.quick_stop_deceleration = i32::MAX;
-        rig.objects.profile_deceleration = i32::MAX;
-        rig.objects.homing_acceleration = u32::MAX;
         rig.objects.input_filter = 0;
+        // From some speeds, a ramp takes minutes.
+        rig.objects.fault_reaction_option = 0;
+        rig.objects.quick_stop_option = 0;
         rig.command(0x00);
-        rig.ticks(4_000);
+        rig.ticks(4);
         rig.command(0x80);
         rig.command(0x00);
         rig.command(0x06);

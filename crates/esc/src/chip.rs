@@ -12,8 +12,9 @@ use crate::event::Events;
 use crate::fmmu::Fmmus;
 use crate::live::ecat_event;
 use crate::memory::MEMORY_BYTES;
-use crate::registers::{FMMUS, Registers, SYNC_MANAGERS, Shadow};
-use crate::sync_manager::SyncManagers;
+use crate::registers::{FMMUS, Registers, SYNC_MANAGERS};
+use crate::shadow::Shadow;
+use crate::sync_managers::SyncManagers;
 use crate::sync_signal::SyncSignals;
 use crate::watchdog::Watchdog;
 

@@ -11,8 +11,11 @@
 //! | `logical` | datagrams with logical addresses, through the FMMUs |
 //! | `fmmu` | the FMMUs' settings and their arithmetic of bits |
 //! | `memory` | which part of the chip an address belongs to |
-//! | `sync_manager` | guarded buffers: three-buffer exchange and mailbox |
-//! | `registers` | the register file, its access rights, and the shadow of writes that wait for the frame's end |
+//! | `sync_managers` | all sync managers: which of them guards an address |
+//! | `sync_manager` | one sync manager: three-buffer exchange and mailbox |
+//! | `buffers` | the three buffers' change of hands |
+//! | `registers` | the register file and its access rights |
+//! | `shadow` | register writes that wait for the frame's end |
 //! | `commit` | what written registers do at the frame's end |
 //! | `live` | registers whose value is computed when they are read |
 //! | `event` | the AL event request, on the slave stack's time |
@@ -29,6 +32,7 @@
 pub mod chip;
 pub mod segment;
 
+mod buffers;
 mod clock;
 mod commit;
 mod datagram;
@@ -41,7 +45,9 @@ mod logical;
 mod memory;
 mod pdi;
 mod registers;
+mod shadow;
 mod sync_manager;
+mod sync_managers;
 mod sync_signal;
 mod watchdog;
 

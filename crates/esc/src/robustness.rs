@@ -30,7 +30,16 @@ fn address() -> impl Strategy<Value = u16> {
     prop_oneof![
         any::<u16>(),
         0..0x0A00u16,
-        prop::sample::select(&[STATION_ADDRESS, AL_CONTROL, AL_STATUS, EEPROM_CONFIGURATION, EEPROM_CONTROL, DC_SYSTEM_TIME][..]),
+        prop::sample::select(
+            &[
+                STATION_ADDRESS,
+                AL_CONTROL,
+                AL_STATUS,
+                EEPROM_CONFIGURATION,
+                EEPROM_CONTROL,
+                DC_SYSTEM_TIME
+            ][..]
+        ),
         FMMU..FMMU + 0x80,
         SM..SM + 0x40,
         DC_RECEIVE_TIMES..0x0A00,
@@ -72,14 +81,22 @@ fn request() -> impl Strategy<Value = Request> {
         command,
         adp,
         // The settings of sync managers are of use at one place only.
-        ado: if data.len() % 8 == 0 && data.len() > 6 && ado % 3 == 0 { SM } else { ado },
+        ado: if data.len() % 8 == 0 && data.len() > 6 && ado % 3 == 0 {
+            SM
+        } else {
+            ado
+        },
         data,
     })
 }
 
 #[derive(Clone, Debug)]
 enum Step {
-    Frame { requests: Vec<Request>, damage: Option<(usize, u8)>, cut: usize },
+    Frame {
+        requests: Vec<Request>,
+        damage: Option<(usize, u8)>,
+        cut: usize,
+    },
     Raw(Vec<u8>),
     Read(u16, usize),
     Write(u16, Vec<u8>),
@@ -132,11 +149,18 @@ fn send(segment: &mut Segment<Vec<Chip>>, frame: &mut [u8], now: u64) {
             let (mut now, mut then) = (layout.walk(), layout.walk());
             let mut counted = ETHERNET_HEADER + 2;
             while let (Some(now), Some(then)) = (now.next(frame), then.next(&before)) {
-                assert_eq!((now.command(), now.index(), now.data().len()), (then.command(), then.index(), then.data().len()));
+                assert_eq!(
+                    (now.command(), now.index(), now.data().len()),
+                    (then.command(), then.index(), then.data().len())
+                );
                 assert!(now.working_counter().wrapping_sub(then.working_counter()) <= 3 * 3);
                 counted += 12 + now.data().len();
             }
-            assert_eq!(frame[counted.min(frame.len())..], before[counted.min(frame.len())..], "what is behind the datagrams");
+            assert_eq!(
+                frame[counted.min(frame.len())..],
+                before[counted.min(frame.len())..],
+                "what is behind the datagrams"
+            );
         }
     }
 }
@@ -168,7 +192,11 @@ fn one(segment: &mut Segment<Vec<Chip>>, command: Command, address: u32, data: &
     let length = builder.finish();
     let frame = &mut buffer[..length];
     assert_eq!(segment.process(frame, Nanos(now)), Processed::Returned);
-    let answer = Layout::of(frame).unwrap().walk().next(frame).map(|answer| (answer.data().to_vec(), answer.working_counter()));
+    let answer = Layout::of(frame)
+        .unwrap()
+        .walk()
+        .next(frame)
+        .map(|answer| (answer.data().to_vec(), answer.working_counter()));
     answer.unwrap()
 }
 
@@ -182,7 +210,10 @@ fn check(segment: &mut Segment<Vec<Chip>>, now: u64) {
         chip.read_u16(AL_CONTROL);
     }
     assert_eq!(one(segment, Command::Brd, 0, &[0], now), (vec![0x11], count as u16));
-    assert_eq!(one(segment, Command::Bwr, physical_address(0, AL_CONTROL), &[0x11, 0], now).1, count as u16);
+    assert_eq!(
+        one(segment, Command::Bwr, physical_address(0, AL_CONTROL), &[0x11, 0], now).1,
+        count as u16
+    );
     for position in 0..count {
         let adp = 0u16.wrapping_sub(position as u16);
         let at = |ado| physical_address(adp, ado);

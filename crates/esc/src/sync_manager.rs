@@ -5,8 +5,8 @@
 
 use wire::register::{PROCESS_RAM, sync_manager as bits};
 
+use crate::buffers::Buffers;
 use crate::memory::{MEMORY_END, Place};
-use crate::registers::SYNC_MANAGERS;
 
 /// Who accesses a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,44 +26,11 @@ pub(crate) enum Direction {
     Write,
 }
 
-/// How far one side's access to a buffer has come.
+/// How far one side's access to a buffer has come: first byte touched, last byte touched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Stroke {
     open: bool,
     complete: bool,
-}
-
-/// The three buffers: which one is written, which one waits, which one is read; always a permutation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Buffers {
-    producer: u8,
-    waiting: u8,
-    consumer: u8,
-    fresh: bool,
-    latest: Option<u8>,
-}
-
-impl Buffers {
-    const EMPTY: Self = Self {
-        producer: 0,
-        waiting: 1,
-        consumer: 2,
-        fresh: false,
-        latest: None,
-    };
-
-    fn publish(&mut self) {
-        self.latest = Some(self.producer);
-        core::mem::swap(&mut self.producer, &mut self.waiting);
-        self.fresh = true;
-    }
-
-    fn take(&mut self) {
-        if self.fresh {
-            core::mem::swap(&mut self.consumer, &mut self.waiting);
-            self.fresh = false;
-        }
-    }
 }
 
 /// One sync manager: its registers, decoded, and the state of its buffers.
@@ -85,7 +52,8 @@ pub(crate) struct SyncManager {
 }
 
 impl SyncManager {
-    const OFF: Self = Self {
+    /// Disabled, all settings zero.
+    pub(crate) const OFF: Self = Self {
         start: 0,
         length: 0,
         mailbox: false,
@@ -132,7 +100,7 @@ impl SyncManager {
     }
 
     /// First byte behind the memory the sync manager guards.
-    fn end(&self) -> u32 {
+    pub(crate) fn end(&self) -> u32 {
         let buffers = if self.mailbox || self.is_transparent() { 1 } else { 3 };
         u32::from(self.start) + buffers * u32::from(self.length)
     }
@@ -142,7 +110,8 @@ impl SyncManager {
         self.length == 1
     }
 
-    fn place(&self, index: usize, address: u32) -> (Place, u32) {
+    /// What answers at `address`, which is in this sync manager's memory, and the first address where that changes.
+    pub(crate) fn place(&self, index: usize, address: u32) -> (Place, u32) {
         let window = u32::from(self.start) + u32::from(self.length);
         let fits = self.start >= PROCESS_RAM && self.end() <= MEMORY_END;
         if !fits || self.locked {
@@ -187,8 +156,8 @@ impl SyncManager {
         }
         let buffer = match (self.mailbox, producing) {
             (true, _) => 0,
-            (false, true) => self.buffers.producer,
-            (false, false) => self.buffers.consumer,
+            (false, true) => self.buffers.producer(),
+            (false, false) => self.buffers.consumer(),
         };
         Some(u32::from(self.start) + u32::from(buffer) * u32::from(self.length) + u32::from(offset))
     }
@@ -198,7 +167,7 @@ impl SyncManager {
             (true, true) => !self.full && !self.stroke(side).complete,
             (true, false) => self.full && !self.stroke(side).complete,
             (false, true) => true,
-            (false, false) => self.buffers.latest.is_some(),
+            (false, false) => self.buffers.latest().is_some(),
         };
         if !ready {
             return None;
@@ -245,6 +214,16 @@ impl SyncManager {
         self.bus_writes
     }
 
+    /// First byte of the memory the sync manager guards.
+    pub(crate) const fn start(&self) -> u16 {
+        self.start
+    }
+
+    /// Whether the sync manager guards its memory.
+    pub(crate) const fn is_enabled(&self) -> bool {
+        self.enabled
+    }
+
     /// Whether it is a mailbox.
     pub(crate) const fn is_mailbox(&self) -> bool {
         self.mailbox
@@ -270,72 +249,14 @@ impl SyncManager {
         };
         let state = match self.mailbox {
             true => u8::from(self.full) << 3,
-            false => self.buffers.latest.unwrap_or(3) << 4,
+            false => self.buffers.latest().unwrap_or(3) << 4,
         };
         u8::from(self.written) | u8::from(self.read) << 1 | state | u8::from(consumer.open) << 6 | u8::from(producer.open) << 7
     }
 
-    /// Whether the buffers are three different ones.
+    /// Whether the three buffers are in order.
     #[cfg(test)]
     pub(crate) fn is_consistent(&self) -> bool {
-        let mut buffers = [self.buffers.producer, self.buffers.waiting, self.buffers.consumer];
-        buffers.sort_unstable();
-        buffers == [0, 1, 2] && self.buffers.latest != Some(self.buffers.producer)
-    }
-}
-
-/// All sync managers of a chip.
-#[derive(Clone, Debug)]
-pub(crate) struct SyncManagers {
-    all: [SyncManager; SYNC_MANAGERS],
-    enabled: u8,
-}
-
-impl SyncManagers {
-    /// All off.
-    pub(crate) const fn new() -> Self {
-        Self {
-            all: [SyncManager::OFF; SYNC_MANAGERS],
-            enabled: 0,
-        }
-    }
-
-    /// Takes over the registers of one sync manager; whether its buffers were reset.
-    pub(crate) fn configure(&mut self, index: usize, registers: [u8; 8]) -> bool {
-        let reset = self.all[index].configure(registers);
-        let enabled = u8::from(self.all[index].enabled) << index;
-        self.enabled = self.enabled & !(1 << index) | enabled;
-        reset
-    }
-
-    /// One sync manager.
-    pub(crate) const fn get(&self, index: usize) -> &SyncManager {
-        &self.all[index]
-    }
-
-    /// One sync manager, to use.
-    pub(crate) const fn get_mut(&mut self, index: usize) -> &mut SyncManager {
-        &mut self.all[index]
-    }
-
-    /// Who guards the memory at `address`, and the first address where that may change.
-    ///
-    /// Where two sync managers claim the same memory, the one with the lower number has it.
-    pub(crate) fn locate(&self, address: u32) -> (Place, u32) {
-        let mut end = MEMORY_END;
-        let mut rest = self.enabled;
-        while rest != 0 {
-            let index = rest.trailing_zeros() as usize;
-            rest &= rest - 1;
-            let sm = &self.all[index];
-            let start = u32::from(sm.start);
-            if address < start {
-                end = end.min(start);
-            } else if address < sm.end() {
-                let (place, until) = sm.place(index, address);
-                return (place, end.min(until));
-            }
-        }
-        (Place::Plain, end)
+        self.buffers.is_consistent()
     }
 }

@@ -1,4 +1,4 @@
-//! Distributed clocks as masters use them (ethercat B.11, F).
+//! Distributed clocks as masters use them.
 
 mod bus;
 

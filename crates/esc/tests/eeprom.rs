@@ -1,4 +1,4 @@
-//! The SII EEPROM interface, in the ways of each master (ethercat B.8).
+//! The SII EEPROM interface, in the ways of each master.
 
 mod bus;
 

@@ -1,4 +1,4 @@
-//! Logical addressing (ethercat A.5), by example and against a model that moves single bits.
+//! Logical addressing, by example and against a model that moves single bits.
 
 mod bus;
 
@@ -195,21 +195,29 @@ fn entry() -> impl Strategy<Value = FmmuEntry> {
 /// What a chip with these FMMUs does to data and memory, bit by bit.
 fn model(fmmus: &[FmmuEntry], memory: &mut [u8], command: Command, logical: u32, data: &mut [u8]) -> u16 {
     let mapped = |logical_bit: u64, kind: u8| {
-        fmmus.iter().enumerate().filter(|(_, fmmu)| fmmu.kind & kind != 0).find_map(|(index, fmmu)| {
-            let count = i64::from(fmmu.length) * 8 - 8 + i64::from(fmmu.stop_bit) + 1 - i64::from(fmmu.start_bit);
-            let first = u64::from(fmmu.logical) * 8 + u64::from(fmmu.start_bit);
-            let bit = i64::try_from(logical_bit).unwrap() - i64::try_from(first).unwrap();
-            (fmmu.length != 0 && (0..count).contains(&bit))
-                .then(|| (index, usize::from(fmmu.physical - MEMORY) * 8 + usize::from(fmmu.physical_bit) + bit as usize))
-        })
+        fmmus
+            .iter()
+            .enumerate()
+            .filter(|(_, fmmu)| fmmu.kind & kind != 0)
+            .find_map(|(index, fmmu)| {
+                let count = i64::from(fmmu.length) * 8 - 8 + i64::from(fmmu.stop_bit) + 1 - i64::from(fmmu.start_bit);
+                let first = u64::from(fmmu.logical) * 8 + u64::from(fmmu.start_bit);
+                let bit = i64::try_from(logical_bit).unwrap() - i64::try_from(first).unwrap();
+                (fmmu.length != 0 && (0..count).contains(&bit)).then(|| {
+                    (
+                        index,
+                        usize::from(fmmu.physical - MEMORY) * 8 + usize::from(fmmu.physical_bit) + bit as usize,
+                    )
+                })
+            })
     };
     let (mut read, mut written) = (false, false);
-    for at in 0..data.len() {
-        let incoming = data[at];
+    for (at, data) in data.iter_mut().enumerate() {
+        let incoming = *data;
         let bit = |bit: u8| (u64::from(logical) + at as u64) * 8 + u64::from(bit);
         for b in 0..8 {
             if let Some((_, from)) = mapped(bit(b), READ).filter(|_| command != Command::Lwr) {
-                data[at] = data[at] & !(1 << b) | (memory[from / 8] >> (from % 8) & 1) << b;
+                *data = *data & !(1 << b) | (memory[from / 8] >> (from % 8) & 1) << b;
                 read = true;
             }
         }

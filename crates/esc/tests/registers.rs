@@ -1,4 +1,4 @@
-//! Registers: shadowed writes, access rights, AL control, counters, events (ethercat A.7, B).
+//! Registers: shadowed writes, access rights, AL control, counters, events.
 
 mod bus;
 

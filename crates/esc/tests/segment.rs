@@ -1,4 +1,4 @@
-//! Frames through a line of chips (ethercat A.1, A.7, A.8).
+//! Frames through a line of chips.
 
 mod bus;
 

@@ -1,4 +1,4 @@
-//! Memory behind sync managers: the table of ethercat A.6 row by row, three buffers, mailbox, watchdog.
+//! Memory behind sync managers: every rule of access row by row, three buffers, mailbox, watchdog.
 
 mod bus;
 

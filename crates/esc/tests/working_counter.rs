@@ -1,4 +1,4 @@
-//! Working counters and addressing of all commands (ethercat A.3 and A.4).
+//! Working counters and addressing of all commands.
 
 mod bus;
 

@@ -3,6 +3,7 @@
 //! | module | what it holds |
 //! |---|---|
 //! | [`raw`] | [`raw::RawLink`]: EtherCAT frames on a network interface (Linux packet socket) |
+//! | `interface` | what the system tells about an interface, and the claim of the one drive server on it |
 //! | `sys` | the few system calls `raw` needs and no safe crate offers; the only unsafe code |
 //! | [`open_error`] | why an interface could not be opened, and what to type |
 //! | [`wait`] | [`wait::Predictor`]: when the next cyclic frame is due, and whether spinning for it pays |
@@ -11,6 +12,8 @@ use std::fmt;
 use std::io;
 use std::time::Duration;
 
+#[cfg(target_os = "linux")]
+mod interface;
 pub mod open_error;
 pub mod pcap;
 #[cfg(target_os = "linux")]

@@ -1,17 +1,17 @@
 //! EtherCAT frames on a network interface, through a Linux packet socket.
 //!
 //! The kernel takes the tag off a frame that came with one (VLAN) before a packet socket sees it; such a frame is answered without its tag.
+use super::interface::{State, claim, existing, state};
 use super::open_error::OpenError;
 use super::wait::{Plan, Predictor};
 use super::{ETHERTYPE, Link, LinkError, Received, sys};
 use nix::errno::Errno;
-use nix::net::if_::{InterfaceFlags, if_nameindex, if_nametoindex};
+use nix::net::if_::if_nametoindex;
 use nix::poll::{PollFd, PollFlags, ppoll};
-use nix::sys::socket::{MsgFlags, getsockopt, recv, send, sockopt::PeerCredentials};
+use nix::sys::socket::{MsgFlags, recv, send};
 use std::io;
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
-use std::os::linux::net::SocketAddrExt;
-use std::os::unix::net::{SocketAddr, UnixListener, UnixStream};
+use std::os::unix::net::UnixListener;
 use std::thread::{self, ThreadId};
 use std::time::{Duration, Instant};
 
@@ -55,13 +55,13 @@ impl RawLink {
         let name = || interface.to_string();
         let index = if_nametoindex(interface).map_err(|_| OpenError::Missing {
             interface: name(),
-            existing: existing_interfaces(),
+            existing: existing(),
         })?;
         match state(interface, index) {
             State::Gone => {
                 return Err(OpenError::Missing {
                     interface: name(),
-                    existing: existing_interfaces(),
+                    existing: existing(),
                 });
             }
             State::Down => return Err(OpenError::Down { interface: name() }),
@@ -250,65 +250,7 @@ impl Link for RawLink {
     }
 }
 
-/// What an interface is doing.
-enum State {
-    Gone,
-    Down,
-    Up { carrier: bool },
-}
-
-fn state(interface: &str, index: u32) -> State {
-    if if_nametoindex(interface) != Ok(index) {
-        return State::Gone;
-    }
-    let Ok(mut addresses) = nix::ifaddrs::getifaddrs() else {
-        return State::Gone;
-    };
-    match addresses.find(|address| address.interface_name == interface) {
-        None => State::Gone,
-        Some(address) if !address.flags.contains(InterfaceFlags::IFF_UP) => State::Down,
-        Some(address) => State::Up {
-            carrier: address.flags.contains(InterfaceFlags::IFF_RUNNING),
-        },
-    }
-}
-
-fn existing_interfaces() -> Vec<String> {
-    let Ok(interfaces) = if_nameindex() else { return Vec::new() };
-    interfaces
-        .iter()
-        .map(|interface| interface.name().to_string_lossy().into_owned())
-        .collect()
-}
-
 /// On a single core, spinning would keep a master on the same machine from sending what is spun for.
 fn new_predictor() -> Predictor {
     Predictor::new(Instant::now(), thread::available_parallelism().is_ok_and(|cores| cores.get() > 1))
-}
-
-/// Makes this process the only drive server on the interface, for as long as the listener lives.
-///
-/// The claim is a name in the abstract namespace of Unix sockets. That namespace belongs to the network namespace, as the interface's number
-/// does, the kernel frees the name however the process ends, and whoever finds it taken can ask by whom.
-fn claim(interface: &str, index: u32) -> Result<UnixListener, OpenError> {
-    let failed = |source| OpenError::System {
-        interface: interface.into(),
-        doing: "make sure that no other drive server is running",
-        source,
-    };
-    let address = SocketAddr::from_abstract_name(format!("usr2556e drive server on interface {index}")).map_err(failed)?;
-    UnixListener::bind_addr(&address).map_err(|error| match error.kind() {
-        io::ErrorKind::AddrInUse => {
-            let peer = UnixStream::connect_addr(&address)
-                .ok()
-                .and_then(|stream| getsockopt(&stream, PeerCredentials).ok());
-            // Zero stands for a process that cannot be seen from here, in another container.
-            let process = peer.map(|peer| peer.pid()).filter(|&process| process > 0);
-            OpenError::AlreadyServed {
-                interface: interface.into(),
-                process,
-            }
-        }
-        _ => failed(error),
-    })
 }

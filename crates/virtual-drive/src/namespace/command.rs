@@ -14,7 +14,20 @@ pub struct CommandError {
 impl CommandError {
     /// What a shell would end with: 127 for a command that was not found, 126 for one that is there but cannot be run.
     pub fn exit_code(&self) -> u8 {
-        if self.source.kind() == io::ErrorKind::NotFound { 127 } else { 126 }
+        if self.not_found() { 127 } else { 126 }
+    }
+
+    /// Where the search path holds a folder that this user may not look into, the system reports that instead.
+    fn not_found(&self) -> bool {
+        let searched = std::path::Path::new(&self.program).components().count() == 1;
+        match self.source.kind() {
+            io::ErrorKind::NotFound => true,
+            io::ErrorKind::PermissionDenied if searched => {
+                let path = std::env::var_os("PATH").unwrap_or_default();
+                !std::env::split_paths(&path).any(|folder| folder.join(&self.program).is_file())
+            }
+            _ => false,
+        }
     }
 }
 
@@ -25,7 +38,7 @@ impl fmt::Display for CommandError {
             io::ErrorKind::NotFound if std::path::Path::new(&self.program).is_file() => {
                 write!(f, "cannot run {program}: the interpreter that its first line names is missing")
             }
-            io::ErrorKind::NotFound => write!(f, "command not found: {program}"),
+            _ if self.not_found() => write!(f, "command not found: {program}"),
             io::ErrorKind::PermissionDenied => {
                 write!(f, "cannot run {program}: it is not executable\n  chmod +x {program}")
             }

@@ -86,7 +86,7 @@ impl EnterError {
 }
 
 /// Those of the known settings that forbid, below `settings` (`/proc/sys`).
-#[cfg_attr(not(target_os = "linux"), expect(dead_code, reason = "only Linux has these settings"))]
+#[cfg_attr(not(target_os = "linux"), allow(dead_code, reason = "only Linux has these settings"))]
 fn obstacles(settings: &Path) -> Vec<Obstacle> {
     let forbids = |obstacle: &Obstacle| {
         let file = settings.join(obstacle.setting.replace('.', "/"));
