@@ -21,7 +21,9 @@ pub mod sii;
 
 use application::Application;
 use board::{Actuators, Sensors};
+use dictionary::AbortCode;
 use drive::{Drive, DriveObjects};
+pub use slave::MAX_OBJECT_SIZE;
 use slave::{Configuration, Identity, MailboxLimits, Slave, Sync};
 use wire::al::AlState;
 use wire::{EscAccess, Nanos};
@@ -79,6 +81,15 @@ impl Device {
             let cycle = sync.cycle.map(|nanoseconds| board::Nanos(nanoseconds.into()));
             self.drive.synchronize(&self.objects, cycle);
         }
+    }
+
+    /// Reads any object, as an SDO upload would, and returns its length in bytes.
+    ///
+    /// # Errors
+    /// The abort code that the upload would end with.
+    pub fn read_object(&mut self, index: u16, sub: u8, now: Nanos, out: &mut [u8]) -> Result<usize, AbortCode> {
+        let application = Application { drive: &self.drive, objects: &mut self.objects };
+        self.slave.read_object(&application, index, sub, now, out)
     }
 
     /// The slave stack.
