@@ -7,7 +7,7 @@
 //! | [`value`] | [`Value`]: Rust types that an object can have, and their bytes |
 //! | [`mod@lookup`] | finding an entry by index and sub-index, walking a dictionary object by object |
 //! | [`check`] | what is verified of a table at compile time |
-//! | [`table`] | [`object_dictionary!`], which turns rows into a struct of typed fields and its entries |
+//! | `table` | [`object_dictionary!`], which turns rows into a struct of typed fields and its entries |
 //!
 //! Control code reads plain typed fields; the SDO server, the PDO mapper and every export work on [`Objects`].
 #![no_std]

@@ -29,11 +29,12 @@ impl VirtualSegment {
         Self::new((0..count).map(DriveConfig::numbered))
     }
 
-    /// Lets a frame that arrives at `now` pass through all drives. Returns whether it comes back; frames of other protocols do not.
+    /// Lets a frame that arrives at `now` pass through all drives. Returns whether it comes back, as a broken EtherCAT frame does too;
+    /// frames of other protocols do not.
     ///
     /// The simulation stays where it is, so that the answer need not wait for it; call [`Self::catch_up`] after sending it.
     pub fn process(&mut self, frame: &mut [u8], now: Nanos) -> bool {
-        matches!(self.segment.process(frame, now), Processed::Returned)
+        self.segment.process(frame, now) != Processed::NotEtherCat
     }
 
     /// Simulates every drive up to `now`.
