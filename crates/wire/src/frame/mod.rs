@@ -1,9 +1,21 @@
 //! Ethernet frames that carry EtherCAT: finding the EtherCAT part, walking its datagrams in place, and building frames (ETG.1000.4, 5).
 //!
+//! | module | holds |
+//! |---|---|
+//! | here | [`Layout`], [`Walk`], [`Datagram`]: frames in place |
+//! | [`command`] | what a datagram asks |
+//! | [`builder`] | [`FrameBuilder`]: new frames |
+//!
 //! Nothing is copied: a [`Datagram`] is a view of its bytes in the frame. Lengths and "more follows" bits are claims of the sender, so
 //! [`Walk`] hands out only datagrams that lie completely inside the frame, and says afterwards whether the claims held.
 
+pub mod builder;
+pub mod command;
+
 use core::ops::Range;
+
+pub use builder::{FrameBuilder, NoRoom};
+pub use command::Command;
 
 /// EtherType of EtherCAT.
 pub const ETHERTYPE: u16 = 0x88A4;
@@ -28,93 +40,6 @@ pub const TYPE_DATAGRAMS: u8 = 1;
 
 const LENGTH_MASK: u16 = 0x07FF;
 const MORE_FOLLOWS: u16 = 0x8000;
-
-/// What a datagram asks of the slaves it passes (ETG.1000.4, 5.4.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Command {
-    /// No operation.
-    Nop,
-    /// Auto increment physical read.
-    Aprd,
-    /// Auto increment physical write.
-    Apwr,
-    /// Auto increment physical read and write.
-    Aprw,
-    /// Configured address physical read.
-    Fprd,
-    /// Configured address physical write.
-    Fpwr,
-    /// Configured address physical read and write.
-    Fprw,
-    /// Broadcast read.
-    Brd,
-    /// Broadcast write.
-    Bwr,
-    /// Broadcast read and write.
-    Brw,
-    /// Logical memory read.
-    Lrd,
-    /// Logical memory write.
-    Lwr,
-    /// Logical memory read and write.
-    Lrw,
-    /// Auto increment physical read, multiple write.
-    Armw,
-    /// Configured address physical read, multiple write.
-    Frmw,
-    /// A code that no slave knows; treated as no operation.
-    Unknown(u8),
-}
-
-impl Command {
-    /// The known commands, in the order of their codes.
-    pub const ALL: [Self; 15] = [
-        Self::Nop,
-        Self::Aprd,
-        Self::Apwr,
-        Self::Aprw,
-        Self::Fprd,
-        Self::Fpwr,
-        Self::Fprw,
-        Self::Brd,
-        Self::Bwr,
-        Self::Brw,
-        Self::Lrd,
-        Self::Lwr,
-        Self::Lrw,
-        Self::Armw,
-        Self::Frmw,
-    ];
-}
-
-impl From<u8> for Command {
-    fn from(code: u8) -> Self {
-        Self::ALL.get(usize::from(code)).copied().unwrap_or(Self::Unknown(code))
-    }
-}
-
-impl From<Command> for u8 {
-    fn from(command: Command) -> Self {
-        match command {
-            Command::Nop => 0,
-            Command::Aprd => 1,
-            Command::Apwr => 2,
-            Command::Aprw => 3,
-            Command::Fprd => 4,
-            Command::Fpwr => 5,
-            Command::Fprw => 6,
-            Command::Brd => 7,
-            Command::Bwr => 8,
-            Command::Brw => 9,
-            Command::Lrd => 10,
-            Command::Lwr => 11,
-            Command::Lrw => 12,
-            Command::Armw => 13,
-            Command::Frmw => 14,
-            Command::Unknown(code) => code,
-        }
-    }
-}
 
 /// The address field of a physical datagram: position or station address `adp`, and offset `ado` in the slave.
 pub const fn physical_address(adp: u16, ado: u16) -> u32 {
@@ -332,81 +257,6 @@ impl<T: AsRef<[u8]> + AsMut<[u8]>> Datagram<T> {
     }
 }
 
-/// What a buffer or the EtherCAT header has no room for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoRoom;
-
-/// Builds a frame of datagrams in a buffer.
-#[derive(Debug)]
-pub struct FrameBuilder<'b> {
-    buffer: &'b mut [u8],
-    header: usize,
-    end: usize,
-    last: Option<usize>,
-}
-
-impl<'b> FrameBuilder<'b> {
-    /// Begins a frame to everybody from `source`.
-    pub fn new(buffer: &'b mut [u8], source: [u8; 6]) -> Result<Self, NoRoom> {
-        Self::begin(buffer, source, None)
-    }
-
-    /// Begins a frame with an 802.1Q tag whose control information is `tag`.
-    pub fn tagged(buffer: &'b mut [u8], source: [u8; 6], tag: u16) -> Result<Self, NoRoom> {
-        Self::begin(buffer, source, Some(tag))
-    }
-
-    fn begin(buffer: &'b mut [u8], source: [u8; 6], tag: Option<u16>) -> Result<Self, NoRoom> {
-        let header = ETHERNET_HEADER + if tag.is_some() { VLAN_TAG } else { 0 };
-        let end = header + ETHERCAT_HEADER;
-        let bytes = buffer.get_mut(..end).ok_or(NoRoom)?;
-        bytes[..SOURCE_ADDRESS].fill(0xFF);
-        bytes[SOURCE_ADDRESS..SOURCE_ADDRESS + 6].copy_from_slice(&source);
-        if let Some(tag) = tag {
-            bytes[12..14].copy_from_slice(&ETHERTYPE_VLAN.to_be_bytes());
-            bytes[14..16].copy_from_slice(&tag.to_be_bytes());
-        }
-        bytes[header - 2..header].copy_from_slice(&ETHERTYPE.to_be_bytes());
-        Ok(Self {
-            buffer,
-            header,
-            end,
-            last: None,
-        })
-    }
-
-    /// Appends a datagram. `address` is a logical one or a [`physical_address`].
-    pub fn datagram(&mut self, command: Command, index: u8, address: u32, data: &[u8]) -> Result<&mut Self, NoRoom> {
-        let start = self.end;
-        let end = start + DATAGRAM_HEADER + data.len() + WORKING_COUNTER;
-        if end - self.header - ETHERCAT_HEADER > MAX_LENGTH {
-            return Err(NoRoom);
-        }
-        let bytes = self.buffer.get_mut(start..end).ok_or(NoRoom)?;
-        bytes.fill(0);
-        bytes[0] = command.into();
-        bytes[1] = index;
-        bytes[2..6].copy_from_slice(&address.to_le_bytes());
-        // The check against MAX_LENGTH above keeps the length within its field.
-        bytes[6..8].copy_from_slice(&(data.len() as u16).to_le_bytes());
-        bytes[DATAGRAM_HEADER..DATAGRAM_HEADER + data.len()].copy_from_slice(data);
-        if let Some(last) = self.last {
-            self.buffer[last + 7] |= (MORE_FOLLOWS >> 8) as u8;
-        }
-        self.last = Some(start);
-        self.end = end;
-        Ok(self)
-    }
-
-    /// Writes the EtherCAT header; the frame's length in bytes, without padding.
-    pub fn finish(&mut self) -> usize {
-        let length = (self.end - self.header - ETHERCAT_HEADER) as u16;
-        let word = length | u16::from(TYPE_DATAGRAMS) << 12;
-        self.buffer[self.header..self.header + ETHERCAT_HEADER].copy_from_slice(&word.to_le_bytes());
-        self.end
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -424,15 +274,6 @@ mod tests {
             .unwrap();
         builder.datagram(Command::Lrw, 8, 0x0001_0203, &[1, 2, 3]).unwrap();
         builder.finish()
-    }
-
-    #[test]
-    fn command_codes_survive_the_round_trip() {
-        for code in 0..=255u8 {
-            assert_eq!(u8::from(Command::from(code)), code);
-        }
-        assert_eq!(Command::from(14), Command::Frmw);
-        assert_eq!(Command::from(15), Command::Unknown(15));
     }
 
     #[test]
@@ -518,15 +359,5 @@ mod tests {
         let mut other_type = buffer;
         other_type[15] = 0x50;
         assert_eq!(datagrams(&other_type[..length]), (0, false));
-    }
-
-    #[test]
-    fn builder_refuses_what_does_not_fit() {
-        let mut buffer = [0; 3000];
-        assert_eq!(FrameBuilder::new(&mut buffer[..15], SOURCE).err(), Some(NoRoom));
-        let mut builder = FrameBuilder::new(&mut buffer, SOURCE).unwrap();
-        assert!(builder.datagram(Command::Nop, 0, 0, &[0; MAX_LENGTH - 11]).is_err());
-        assert!(builder.datagram(Command::Nop, 0, 0, &[0; MAX_LENGTH - 12]).is_ok());
-        assert!(builder.datagram(Command::Nop, 0, 0, &[]).is_err());
     }
 }
