@@ -3,7 +3,10 @@
 use std::fmt;
 
 use super::samples::{Phase, Samples};
-use super::session::{CYCLE, MOVE_TARGET};
+use super::session::{CYCLE, MOVE_TARGET, PULSES_PER_TURN};
+
+/// Pulses of one electrical period.
+const PULSES_PER_PERIOD: f64 = PULSES_PER_TURN / board::ELECTRICAL_PERIODS_PER_TURN as f64;
 
 /// The figures of a demonstration, positions in pulses, times in microseconds.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +46,22 @@ impl Report {
     }
 }
 
+impl Report {
+    /// What the shaft's place at the end says: a stepper loses whole electrical periods.
+    fn lost_steps(&self) -> String {
+        let periods = (self.shaft_error / PULSES_PER_PERIOD).round();
+        if periods == 0.0 {
+            format!("no step lost ({:.2} pulses off at the end)", self.shaft_error.abs())
+        } else {
+            format!(
+                "{:.0} electrical periods lost ({:.1} pulses off at the end)",
+                periods.abs(),
+                self.shaft_error
+            )
+        }
+    }
+}
+
 /// How late cycles began, in microseconds: median, 99th percentile, largest.
 fn lateness(samples: &Samples) -> (f64, f64, f64) {
     let mut late: Vec<u64> = samples.cycles.iter().map(|sample| sample.time.since(sample.due)).collect();
@@ -70,13 +89,58 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "  motor shaft       at most {:.1} pulses behind the drive's command, {:.2} pulses at the end: no step lost",
-            self.shaft_lag, self.shaft_error
+            "  motor shaft       at most {:.1} pulses behind the drive's command; {}",
+            self.shaft_lag,
+            self.lost_steps()
         )?;
         write!(
             f,
             "  cycle time        {CYCLE:?}, {} cycles, begun late by {median:.0} us (median), {p99:.0} us (99 %), {largest:.0} us (largest)",
             self.cycles
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::demo::samples::Sample;
+    use wire::Nanos;
+
+    /// A demonstration of a few cycles at whose end the shaft is `lost` pulses away from where the drive believes it to be.
+    fn report(lost: f64) -> Report {
+        let sample = |phase, commanded, shaft| Sample {
+            time: Nanos(1000),
+            due: Nanos(0),
+            phase,
+            target: Some(commanded + 7),
+            commanded,
+            shaft,
+        };
+        let cycles = vec![
+            sample(Phase::Homing, -29, 9_971.0),
+            sample(Phase::ProfilePosition, 30_000, 39_995.5),
+            sample(Phase::CyclicPosition, 29_000, 39_000.0),
+            sample(Phase::Disabling, 30_000, 40_000.0 + lost),
+        ];
+        Report::of(&Samples { cycles, home: 10_000.0 })
+    }
+
+    #[test]
+    fn figures_are_those_of_the_samples() {
+        let report = report(0.0);
+        assert_eq!((report.home, report.move_end, report.following_error), ((-29, 10_000.0), 30_000, 7));
+        assert_eq!((report.shaft_lag, report.shaft_error, report.cycles), (4.5, 0.0, 4));
+        assert_eq!(report.lateness, (1.0, 1.0, 1.0));
+    }
+
+    #[test]
+    fn lost_steps_are_told() {
+        assert!(report(0.4).to_string().contains("no step lost (0.40 pulses off at the end)"));
+        assert!(
+            report(-400.0)
+                .to_string()
+                .contains("2 electrical periods lost (-400.0 pulses off at the end)")
+        );
     }
 }

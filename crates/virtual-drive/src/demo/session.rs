@@ -32,8 +32,10 @@ const MOTION_LIMIT: Duration = Duration::from_secs(30);
 /// Cycles in which the shaft settles before its place is compared with the counter.
 const SETTLING: u32 = 20;
 
-/// Objects set in PREOP: homing on the home switch (method 19), its speeds, and speed and acceleration of the move.
-const SETTINGS: [(&str, &[u8]); 5] = [
+/// Objects set in PREOP: homing on the home switch (method 19), its speeds, and speed and acceleration of the move. A PC is no real-time
+/// master, so the sync error limit is raised to what the process data watchdog allows too: some 100 cycles without outputs.
+const SETTINGS: [(&str, &[u8]); 6] = [
+    ("10F1:2", &300_u16.to_le_bytes()),
     ("6098", &[19]),
     ("6099:1", &20_000_u32.to_le_bytes()),
     ("6099:2", &4_000_u32.to_le_bytes()),

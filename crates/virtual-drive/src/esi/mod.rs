@@ -193,10 +193,6 @@ fn eeprom(xml: &mut Xml) -> io::Result<()> {
     let image = sii::image(0, 0);
     element(xml, "Eeprom", |xml| {
         text(xml, "ByteSize", &sii::SIZE.to_string())?;
-        text(
-            xml,
-            "ConfigData",
-            &digits(&image[..CONFIGURATION_AREA]),
-        )
+        text(xml, "ConfigData", &digits(&image[..CONFIGURATION_AREA]))
     })
 }
