@@ -34,7 +34,7 @@ pub struct Traffic {
 /// # Errors
 /// The link is of no more use.
 pub fn serve(
-    link: &mut impl Link,
+    link: &mut (impl Link + ?Sized),
     segment: &mut VirtualSegment,
     stop: &AtomicBool,
     mut observe: impl FnMut(&VirtualSegment, Traffic),
@@ -65,7 +65,7 @@ pub fn serve(
 }
 
 fn answer(
-    link: &mut impl Link,
+    link: &mut (impl Link + ?Sized),
     segment: &mut VirtualSegment,
     frame: &mut [u8],
     now: Nanos,

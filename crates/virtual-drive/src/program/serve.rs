@@ -20,7 +20,7 @@ use crate::status::StatusLines;
 
 pub(super) fn run(options: &Run) -> anyhow::Result<()> {
     let stop = super::on_signal()?;
-    let mut service = Service::prepare(&options.served, &options.interface)?;
+    let service = Service::prepare(&options.served, &options.interface)?;
     println!("Serving {} on {}; Ctrl-C ends.", plural(options.served.drives), options.interface);
     let mut lines = StatusLines::new(options.served.drives.into());
     service.serve(&stop, |segment, traffic| lines.show(segment, traffic))?;
@@ -30,7 +30,7 @@ pub(super) fn run(options: &Run) -> anyhow::Result<()> {
 pub(super) fn exec(options: &Exec) -> anyhow::Result<ExitCode> {
     // First of all: only a process of one thread can move into a network of its own.
     namespace::enter()?;
-    let mut service = Service::prepare(&options.served, namespace::DRIVE_INTERFACE)?;
+    let service = Service::prepare(&options.served, namespace::DRIVE_INTERFACE)?;
     let stop = Arc::new(AtomicBool::new(false));
     let serving = thread::spawn({
         let stop = Arc::clone(&stop);
@@ -58,9 +58,32 @@ fn plural(drives: u16) -> String {
 
 /// Drives, the link to their master, and where their EEPROMs are kept.
 struct Service {
-    link: Box<dyn Link + Send>,
+    wire: Wire,
     segment: VirtualSegment,
     eeproms: Option<EepromFolder>,
+}
+
+/// The link, recorded or not.
+enum Wire {
+    Bare(RawLink),
+    Recorded(Recording<RawLink>),
+}
+
+impl Wire {
+    fn link(&mut self) -> &mut dyn Link {
+        match self {
+            Self::Bare(link) => link,
+            Self::Recorded(link) => link,
+        }
+    }
+
+    /// Completes the capture; tells if frames of it could not be written.
+    fn finish(self) -> anyhow::Result<()> {
+        match self {
+            Self::Bare(_) => Ok(()),
+            Self::Recorded(link) => link.finish().1.context("the capture is not complete"),
+        }
+    }
 }
 
 impl Service {
@@ -81,20 +104,20 @@ impl Service {
         });
         let segment = VirtualSegment::new(configs.collect::<anyhow::Result<Vec<_>>>()?);
         let link = RawLink::open(interface, Role::DriveServer)?;
-        let link: Box<dyn Link + Send> = match &served.record {
-            None => Box::new(link),
+        let wire = match &served.record {
+            None => Wire::Bare(link),
             Some(file) => {
                 let recorder = Recorder::create(file, interface).with_context(|| format!("cannot write the capture {}", file.display()))?;
-                Box::new(Recording::new(link, recorder))
+                Wire::Recorded(Recording::new(link, recorder))
             }
         };
-        Ok(Self { link, segment, eeproms })
+        Ok(Self { wire, segment, eeproms })
     }
 
-    fn serve(&mut self, stop: &AtomicBool, mut show: impl FnMut(&VirtualSegment, Traffic)) -> anyhow::Result<()> {
+    fn serve(mut self, stop: &AtomicBool, mut show: impl FnMut(&VirtualSegment, Traffic)) -> anyhow::Result<()> {
         let eeproms = &mut self.eeproms;
         let mut failure = None;
-        let ended: Result<(), LinkError> = server::serve(&mut self.link, &mut self.segment, stop, |segment, traffic| {
+        let ended: Result<(), LinkError> = server::serve(self.wire.link(), &mut self.segment, stop, |segment, traffic| {
             if let Some(folder) = eeproms
                 && let Err(error) = folder.save_rested(segment)
                 && failure.is_none()
@@ -107,6 +130,7 @@ impl Service {
         if let Some(folder) = &mut self.eeproms {
             folder.save_all(&self.segment)?;
         }
+        self.wire.finish()?;
         Ok(ended?)
     }
 }
