@@ -177,7 +177,7 @@ fn a_power_cycle_in_op_is_seen_by_the_master() {
         let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), 0, &mut unobserved);
         axis.cycle().await.unwrap();
         rig.touch(0, |drive| drive.power_cycle());
-        assert!(matches!(axis.cycle().await, Err(AxisError::Bus(_) | AxisError::LeftOp)));
+        assert!(matches!(axis.cycle().await, Err(AxisError::Bus(_) | AxisError::LeftOp { .. })));
     });
     assert_eq!(rig.look(0, |drive| drive.status().al_state), AlState::Init);
 }

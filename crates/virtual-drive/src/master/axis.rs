@@ -3,9 +3,9 @@
 use std::fmt;
 use std::time::Duration;
 
-use ethercrab::MainDevice;
 use ethercrab::error::Error;
 use ethercrab::subdevice_group::{HasDc, Op};
+use ethercrab::{MainDevice, SubDeviceState};
 use wire::Nanos;
 
 use super::Pace;
@@ -21,7 +21,12 @@ pub enum AxisError {
     /// The bus or a drive does not answer as it must.
     Bus(Error),
     /// A drive has left OP by itself.
-    LeftOp,
+    LeftOp {
+        /// Its position on the bus, counted from 1.
+        drive: usize,
+        /// Its AL status code (0x0134), in words.
+        reason: String,
+    },
     /// The drive went into fault; 0x603F tells why.
     Fault {
         /// Its statusword.
@@ -40,10 +45,7 @@ impl fmt::Display for AxisError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Bus(error) => write!(f, "exchanging process data: {error}"),
-            Self::LeftOp => write!(
-                f,
-                "a drive has left OP; its AL status code (0x0134) and error code (0x603F) tell why"
-            ),
+            Self::LeftOp { drive, reason } => write!(f, "drive {drive} has left OP: {reason}"),
             Self::Fault { statusword } => write!(f, "the drive went into fault (statusword 0x{statusword:04X}); 0x603F tells why"),
             Self::TimedOut { what, statusword } => write!(f, "the drive does not {what} (statusword 0x{statusword:04X})"),
         }
@@ -123,7 +125,7 @@ impl<'a> Axis<'a> {
         let (time, due) = (self.pace.now(), self.due);
         let (all_op, next) = self.exchange().await?;
         if !all_op {
-            return Err(AxisError::LeftOp);
+            return Err(self.why_left().await?);
         }
         (self.observer)(&Exchange {
             time,
@@ -153,6 +155,29 @@ impl<'a> Axis<'a> {
                 Ok(response)
             }
         }
+    }
+
+    /// Asks the drives which of them has left OP, and why.
+    async fn why_left(&self) -> Result<AxisError, Error> {
+        let count = match &self.drives {
+            Operating::Frames(group, _) => group.len(),
+            Operating::Clocks(group) => group.len(),
+        };
+        for position in 0..count {
+            let (state, code) = match &self.drives {
+                Operating::Frames(group, _) => group.subdevice(self.main, position)?.status().await?,
+                Operating::Clocks(group) => group.subdevice(self.main, position)?.status().await?,
+            };
+            if state != SubDeviceState::Op {
+                let (drive, reason) = (position + 1, format!("{code} (AL status code 0x{:04X})", u16::from(code)));
+                return Ok(AxisError::LeftOp { drive, reason });
+            }
+        }
+        let reason = "it is back by now".into();
+        Ok(AxisError::LeftOp {
+            drive: self.position + 1,
+            reason,
+        })
     }
 
     /// Exchanges process data until the inputs meet a condition.

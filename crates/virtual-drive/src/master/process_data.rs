@@ -45,6 +45,8 @@ pub mod statusword {
     pub const FAULT: u16 = 1 << 3;
     /// Target reached.
     pub const TARGET_REACHED: u16 = 1 << 10;
+    /// Internal limit: a limit switch is active.
+    pub const INTERNAL_LIMIT: u16 = 1 << 11;
     /// Set-point acknowledge, homing attained, or drive follows the command value.
     pub const ACKNOWLEDGE: u16 = 1 << 12;
     /// Homing error.

@@ -14,12 +14,15 @@ use super::arguments::{Move, Scan, Sdo, Target, Transfer};
 use crate::link::raw::{RawLink, Role};
 use crate::master::axis::{Axis, Exchange, HANDSHAKE_LIMIT, Operating};
 use crate::master::bring_up::{self, Group};
-use crate::master::process_data::{controlword, mode, statusword};
+use crate::master::process_data::{Inputs, controlword, mode, statusword};
 use crate::master::sdo::{Address, abort_code, parse};
 use crate::master::{self, Pace, RealTimeLink, describe};
 
 /// Exit status of a command ended with Ctrl-C, as shells have it.
 const INTERRUPTED: u8 = 130;
+
+/// A drive on a limit switch that has not moved for this long has been stopped by it.
+const STANDSTILL: Duration = Duration::from_millis(200);
 
 /// How often process data are exchanged: easily kept without real-time privileges, and well within the drive's watchdog of 100 ms.
 const CYCLE: Duration = Duration::from_millis(2);
@@ -180,33 +183,58 @@ async fn travel(axis: &mut Axis<'_>, target: Target, interrupted: &AtomicBool) -
     };
     axis.set_point(set_point, bits).await?;
     let bar = progress_bar(start, goal);
+    let mut standing = Standing::default();
     while axis.inputs.statusword & statusword::TARGET_REACHED == 0 {
         if interrupted.load(Ordering::Relaxed) {
             bar.finish_and_clear();
-            axis.outputs.controlword |= controlword::HALT;
-            axis.until("halt", HANDSHAKE_LIMIT, |inputs| {
-                inputs.statusword & statusword::TARGET_REACHED != 0
-            })
-            .await?;
-            writeln!(io::stdout(), "Halted at {} pulses.", axis.inputs.position)?;
-            return Ok(false);
+            return halt(axis).await.map(|()| false);
         }
-        let status = axis.inputs.statusword;
+        let Inputs {
+            statusword: status,
+            position,
+            ..
+        } = axis.inputs;
         ensure!(
             statusword::is_enabled(status),
             "the drive was disabled on its way (statusword 0x{status:04X})"
         );
-        bar.set_position(u64::from(start.abs_diff(axis.inputs.position)));
+        let limited = status & statusword::INTERNAL_LIMIT != 0 && standing.since(position) >= STANDSTILL;
+        ensure!(
+            !limited,
+            "a limit switch has stopped the drive at {position} pulses; it can be moved away from there only"
+        );
+        bar.set_position(u64::from(start.abs_diff(position)));
         axis.cycle().await?;
     }
     bar.finish_and_clear();
-    ensure!(
-        axis.inputs.position == goal,
-        "the drive stopped at {} pulses; is a limit switch in the way?",
-        axis.inputs.position
-    );
+    let end = axis.inputs.position;
+    ensure!(end == goal, "the drive stopped at {end} pulses");
     writeln!(io::stdout(), "Moved from {start} to {goal} pulses.")?;
     Ok(true)
+}
+
+async fn halt(axis: &mut Axis<'_>) -> anyhow::Result<()> {
+    axis.outputs.controlword |= controlword::HALT;
+    axis.until("halt", HANDSHAKE_LIMIT, |inputs| {
+        inputs.statusword & statusword::TARGET_REACHED != 0
+    })
+    .await?;
+    Ok(writeln!(io::stdout(), "Halted at {} pulses.", axis.inputs.position)?)
+}
+
+/// For how many cycles the drive has been standing.
+#[derive(Default)]
+struct Standing {
+    position: i32,
+    cycles: u32,
+}
+
+impl Standing {
+    fn since(&mut self, position: i32) -> Duration {
+        self.cycles = if position == self.position { self.cycles + 1 } else { 0 };
+        self.position = position;
+        CYCLE * self.cycles
+    }
 }
 
 fn progress_bar(start: i32, goal: i32) -> ProgressBar {

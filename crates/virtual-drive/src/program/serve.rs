@@ -1,5 +1,6 @@
 //! `run` and `exec`.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,9 +11,9 @@ use anyhow::Context;
 use super::arguments::{Exec, Run, Served};
 use crate::drive::DriveConfig;
 use crate::eeprom_folder::EepromFolder;
-use crate::link::pcap::{Recorder, Recording};
+use crate::link::LinkError;
+use crate::link::pcap::Recorder;
 use crate::link::raw::{RawLink, Role};
-use crate::link::{Link, LinkError};
 use crate::namespace;
 use crate::segment::VirtualSegment;
 use crate::server::{self, Traffic};
@@ -56,34 +57,12 @@ fn plural(drives: u16) -> String {
     }
 }
 
-/// Drives, the link to their master, and where their EEPROMs are kept.
+/// Drives, the link to their master, its capture, and where the drives' EEPROMs are kept.
 struct Service {
-    wire: Wire,
+    link: RawLink,
+    recorder: Option<Recorder>,
     segment: VirtualSegment,
     eeproms: Option<EepromFolder>,
-}
-
-/// The link, recorded or not.
-enum Wire {
-    Bare(RawLink),
-    Recorded(Recording<RawLink>),
-}
-
-impl Wire {
-    fn link(&mut self) -> &mut dyn Link {
-        match self {
-            Self::Bare(link) => link,
-            Self::Recorded(link) => link,
-        }
-    }
-
-    /// Completes the capture; tells if frames of it could not be written.
-    fn finish(self) -> anyhow::Result<()> {
-        match self {
-            Self::Bare(_) => Ok(()),
-            Self::Recorded(link) => link.finish().1.context("the capture is not complete"),
-        }
-    }
 }
 
 impl Service {
@@ -104,20 +83,27 @@ impl Service {
         });
         let segment = VirtualSegment::new(configs.collect::<anyhow::Result<Vec<_>>>()?);
         let link = RawLink::open(interface, Role::DriveServer)?;
-        let wire = match &served.record {
-            None => Wire::Bare(link),
-            Some(file) => {
-                let recorder = Recorder::create(file, interface).with_context(|| format!("cannot write the capture {}", file.display()))?;
-                Wire::Recorded(Recording::new(link, recorder))
-            }
+        let create = |file: &PathBuf| {
+            Recorder::create(file, interface).with_context(|| {
+                format!(
+                    "cannot write the capture {}; choose another file with --record FILE",
+                    file.display()
+                )
+            })
         };
-        Ok(Self { wire, segment, eeproms })
+        let recorder = served.record.as_ref().map(create).transpose()?;
+        Ok(Self {
+            link,
+            recorder,
+            segment,
+            eeproms,
+        })
     }
 
     fn serve(mut self, stop: &AtomicBool, mut show: impl FnMut(&VirtualSegment, Traffic)) -> anyhow::Result<()> {
         let eeproms = &mut self.eeproms;
         let mut failure = None;
-        let ended: Result<(), LinkError> = server::serve(self.wire.link(), &mut self.segment, stop, |segment, traffic| {
+        let observe = |segment: &VirtualSegment, traffic| {
             if let Some(folder) = eeproms
                 && let Err(error) = folder.save_rested(segment)
                 && failure.is_none()
@@ -126,11 +112,14 @@ impl Service {
                 failure = Some(());
             }
             show(segment, traffic);
-        });
+        };
+        let ended: Result<(), LinkError> = server::serve_recorded(&mut self.link, &mut self.segment, self.recorder.as_mut(), stop, observe);
         if let Some(folder) = &mut self.eeproms {
             folder.save_all(&self.segment)?;
         }
-        self.wire.finish()?;
+        if let Some(recorder) = self.recorder {
+            recorder.finish().context("the capture is not complete")?;
+        }
         Ok(ended?)
     }
 }
