@@ -2,10 +2,13 @@
 
 use std::time::Duration;
 
-use ethercrab::{RegisterAddress, SubDeviceState};
+use ethercrab::subdevice_group::{HasDc, Op};
+use ethercrab::{MainDevice, RegisterAddress, SubDeviceState};
 use rig::{CYCLE, Rig};
+use usr2556e::drive::DriveConfig;
+use usr2556e::master::Pace;
 use usr2556e::master::axis::{Axis, AxisError, Exchange, Operating};
-use usr2556e::master::bring_up;
+use usr2556e::master::bring_up::{self, Group};
 use usr2556e::master::process_data::{mode, statusword};
 use wire::al::{AlState, AlStatusCode};
 
@@ -18,8 +21,7 @@ fn scan_finds_each_drive_with_its_identity() {
             assert_eq!((identity.vendor_id, identity.product_id), (0xA88, 0x0A88_0001));
             assert_eq!((identity.revision, identity.serial), (0x204, position as u32 + 1));
             assert_eq!((drive.name(), drive.configured_address()), ("USR2556E", 0x1000 + position as u16));
-            let identity: [u32; 4] = [1, 2, 3, 4].map(|_| 0);
-            let mut read = identity;
+            let mut read = [0_u32; 4];
             for (sub, number) in (1..=4).zip(&mut read) {
                 *number = drive.sdo_read(0x1018, sub).await.unwrap();
             }
@@ -56,19 +58,25 @@ fn op_without_clocks_exchanges_process_data_with_full_working_counter() {
     });
 }
 
+/// Exchanges process data for so many cycles and asserts that all system times then agree within a microsecond.
+async fn assert_in_step(main: &MainDevice<'_>, pace: &Pace, group: &Group<Op, HasDc>, cycles: u32) {
+    for _ in 0..cycles {
+        let (all_op, next) = bring_up::exchange_with_clocks(main, pace, group).await.unwrap();
+        assert!(all_op);
+        pace.until(next).await;
+    }
+    for drive in group.iter(main) {
+        let difference: u32 = drive.register_read(RegisterAddress::DcSystemTimeDifference).await.unwrap();
+        assert!(difference & 0x7FFF_FFFF < 1000, "system time difference {difference:#x}");
+    }
+}
+
 #[test]
 fn op_with_clocks_runs_on_sync0_in_all_drives() {
-    let rig = Rig::new(3);
-    rig.in_preop(async |main, pace, group| {
+    Rig::new(3).in_preop(async |main, pace, group| {
         let group = bring_up::to_op_with_clocks(main, pace, group, CYCLE).await.unwrap();
-        for _ in 0..500 {
-            let (all_op, next) = bring_up::exchange_with_clocks(main, pace, &group).await.unwrap();
-            assert!(all_op);
-            pace.until(next).await;
-        }
+        assert_in_step(main, pace, &group, 500).await;
         for drive in group.iter(main) {
-            let difference: u32 = drive.register_read(RegisterAddress::DcSystemTimeDifference).await.unwrap();
-            assert!(difference & 0x7FFF_FFFF < 1000, "system time difference {difference:#x}");
             assert_eq!(drive.sdo_read::<u16>(0x1C32, 1).await, Ok(2), "synchronised to SYNC0");
             assert_eq!(drive.sdo_read::<u16>(0x1C32, 0x0B).await, Ok(0), "no SM event missed");
         }
@@ -78,22 +86,13 @@ fn op_with_clocks_runs_on_sync0_in_all_drives() {
 #[test]
 fn drives_with_drifting_clocks_are_pulled_together() {
     let drifting = |position: usize, ppb| {
-        let mut config = usr2556e::drive::DriveConfig::numbered(position);
+        let mut config = DriveConfig::numbered(position);
         config.clock_ppb = ppb;
         config
     };
-    let rig = Rig::with([drifting(0, 20_000), drifting(1, -30_000), drifting(2, 5_000)]);
-    rig.in_preop(async |main, pace, group| {
+    Rig::with([drifting(0, 20_000), drifting(1, -30_000), drifting(2, 5_000)]).in_preop(async |main, pace, group| {
         let group = bring_up::to_op_with_clocks(main, pace, group, CYCLE).await.unwrap();
-        for _ in 0..4000 {
-            let (all_op, next) = bring_up::exchange_with_clocks(main, pace, &group).await.unwrap();
-            assert!(all_op);
-            pace.until(next).await;
-        }
-        for drive in group.iter(main) {
-            let difference: u32 = drive.register_read(RegisterAddress::DcSystemTimeDifference).await.unwrap();
-            assert!(difference & 0x7FFF_FFFF < 1000, "system time difference {difference:#x}");
-        }
+        assert_in_step(main, pace, &group, 4000).await;
     });
 }
 

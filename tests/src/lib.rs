@@ -73,11 +73,7 @@ impl Rig {
         self.in_preop(async |main, pace, group| {
             prepare(main, &group).await;
             let group = bring_up::to_op(main, pace, group, CYCLE).await.expect("OP");
-            let mut unobserved = |_: &Exchange| ();
-            let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), 0, &mut unobserved);
-            let result = conversation(&mut axis).await;
-            axis.leave().await.expect("back to PREOP");
-            result
+            lead(main, pace, Operating::Frames(group, CYCLE), conversation).await
         })
     }
 
@@ -90,11 +86,7 @@ impl Rig {
         self.in_preop(async |main, pace, group| {
             prepare(main, &group).await;
             let group = bring_up::to_op_with_clocks(main, pace, group, CYCLE).await.expect("OP");
-            let mut unobserved = |_: &Exchange| ();
-            let mut axis = Axis::new(main, pace, Operating::Clocks(group), 0, &mut unobserved);
-            let result = conversation(&mut axis).await;
-            axis.leave().await.expect("back to PREOP");
-            result
+            lead(main, pace, Operating::Clocks(group), conversation).await
         })
     }
 
@@ -119,4 +111,13 @@ impl Rig {
     pub fn shaft(&self) -> f64 {
         self.look(0, |drive| drive.plant().shaft().0 * PULSES_PER_TURN)
     }
+}
+
+/// A conversation with the first of drives in OP, and back to PREOP.
+async fn lead<T>(main: &MainDevice<'_>, pace: &Pace, drives: Operating, conversation: impl AsyncFnOnce(&mut Axis<'_>) -> T) -> T {
+    let mut unobserved = |_: &Exchange| ();
+    let mut axis = Axis::new(main, pace, drives, 0, &mut unobserved);
+    let result = conversation(&mut axis).await;
+    axis.leave().await.expect("back to PREOP");
+    result
 }
