@@ -40,8 +40,6 @@ def check_reads(drive):
     expect_equal(read(drive, 0x1000), 0x0004_0192, "0x1000 device type")
     for subindex, value in enumerate([4, VENDOR, PRODUCT, REVISION]):
         expect_equal(read(drive, 0x1018, subindex), value, f"0x1018:{subindex:02} identity")
-    identity = drive.sdo_read(0x1018, 0, ca=True)
-    expect_equal(identity[:14], struct.pack("<HIII", 4, VENDOR, PRODUCT, REVISION), "0x1018 by complete access")
     expect_equal([read(drive, 0x1C00, subindex) for subindex in range(5)], [4, 1, 2, 3, 4], "0x1C00 sync manager types")
     expect_equal(read(drive, PEAK_CURRENT), 3000, "0x2000 peak current")
     expect_equal(read(drive, 0x2001), 10_000, "0x2001 motor resolution")

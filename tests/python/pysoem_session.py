@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Drives USR2556E stepper drives, virtual or real, with the SOEM master, and checks what they answer.
 
-Usage: pysoem_session.py [INTERFACE] [--slaves N] [--sessions N] [--period-us N]
+With virtual drives, and without root:
+  usr2556e exec --drives 3 -- target/python/bin/python tests/python/pysoem_session.py --drives 3
+With drives on a cable, as root; their motors turn to and fro:
+  target/python/bin/python tests/python/pysoem_session.py eth0 --drives 3
 
-INTERFACE defaults to the environment variable USR2556E_INTERFACE. Needs the right to open raw sockets. The motor turns half a
-turn to and fro. Each session scans, reads and writes objects, maps process data three times and moves in OP, without and with
-distributed clocks; it ends in INIT, and the next one starts from there without a power cycle. The exit code is 0 when all of it held.
+Each session has three parts: objects, and a move over the default mapping; a move over a mapping written by SDO; a move with
+distributed clocks. It ends in INIT, and the next one starts from there without a power cycle. The exit code is 0 when everything held.
 """
 
 import argparse
@@ -28,14 +30,11 @@ OTHER_INPUTS = Layout([(0x6041, 16), (0x6061, 8), (0x6064, 32), (0x60FD, 32), (0
 
 SYNC_MANAGER, SYNC0 = 1, 2
 
-# Half a turn at the default resolution, in pulses.
-DISTANCE = 5000
-
-# Sync errors in a row that a drive forgives (0x10F1:02); this master is no real-time program.
-FORGIVEN_SYNC_ERRORS = 1000
+# How far the drives may fall out of step with SYNC0 (0x10F1:02): as far as can be set, for this master is no real-time program.
+FORGIVEN_SYNC_ERRORS = 0xFFFF
 
 
-def default_mapping(segment, count):
+def default_mapping(segment, count, distance):
     """The mapping as it is after power-up, in plain sync manager operation."""
     segment.scan(count)
     for drive in segment.drives:
@@ -45,22 +44,22 @@ def default_mapping(segment, count):
         objects.check_mapping(drive, DEFAULT_OUTPUTS, DEFAULT_INPUTS)
     segment.map()
     segment.start()
-    move(segment, SYNC_MANAGER)
+    move(segment, SYNC_MANAGER, distance)
     segment.stop()
 
 
-def other_mapping(segment, count):
+def other_mapping(segment, count, distance):
     """A mapping written by SDO. The drives stay in OP: the next scan must find them there."""
     segment.scan(count)
     segment.map(OTHER_OUTPUTS, OTHER_INPUTS, lambda drive: objects.write_mapping(drive, OTHER_OUTPUTS, OTHER_INPUTS))
     for drive in segment.drives:
         objects.check_mapping(drive, OTHER_OUTPUTS, OTHER_INPUTS)
     segment.start()
-    move(segment, SYNC_MANAGER)
+    move(segment, SYNC_MANAGER, distance)
     expect_equal([row[4] for row in segment.cycle()], [0] * count, "0x603F in the inputs")
 
 
-def distributed_clocks(segment, count):
+def distributed_clocks(segment, count, distance):
     """The default mapping written back, SYNC0 at the segment's period."""
 
     def configure(drive):
@@ -70,29 +69,31 @@ def distributed_clocks(segment, count):
     segment.scan(count)
     segment.map(configure=configure, with_clocks=True)
     segment.start()
-    move(segment, SYNC0)
+    move(segment, SYNC0, distance)
     segment.stop()
 
 
-def move(segment, sync_type):
-    """Enables the drives, moves them to and fro, disables them."""
+PARTS = {"default": default_mapping, "other": other_mapping, "clocks": distributed_clocks}
+
+
+def move(segment, sync_type, distance):
+    """Enables the drives, moves them over a distance and back, disables them."""
     for drive in segment.drives:
         objects.check_in_operation(drive, sync_type)
     positions = motion.enable(segment)
-    positions = motion.ramp(segment, positions, DISTANCE)
-    motion.ramp(segment, positions, -DISTANCE)
+    positions = motion.ramp(segment, positions, distance)
+    motion.ramp(segment, positions, -distance)
     motion.disable(segment)
 
 
 def run(arguments):
-    """Runs all sessions, each with a master of its own."""
+    """Runs the sessions, each with a master of its own."""
     for number in range(1, arguments.sessions + 1):
         segment = Segment(arguments.interface, arguments.period_us * 1000)
         try:
-            for part in (default_mapping, other_mapping, distributed_clocks):
-                title = part.__name__.replace("_", " ")
-                print(f"--- session {number}: {title}", flush=True)
-                part(segment, arguments.slaves)
+            for name in arguments.parts:
+                print(f"--- session {number}: {PARTS[name].__name__.replace('_', ' ')}", flush=True)
+                PARTS[name](segment, arguments.drives, arguments.distance)
         finally:
             segment.close()
 
@@ -126,9 +127,11 @@ def main():
     """Reads the command line, runs, and says how it ended."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("interface", nargs="?", default=os.environ.get("USR2556E_INTERFACE"), help="default: $USR2556E_INTERFACE")
-    parser.add_argument("--slaves", type=int, default=1, help="how many drives must answer (default 1)")
+    parser.add_argument("--drives", type=int, default=1, help="how many drives must answer (default 1)")
     parser.add_argument("--sessions", type=int, default=2, help="how often to run all of it without a power cycle (default 2)")
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="what a session consists of (default: all)")
     parser.add_argument("--period-us", type=int, default=1000, help="period of the process data and of SYNC0 (default 1000)")
+    parser.add_argument("--distance", type=int, default=5000, help="how far the motor turns, in pulses (default 5000, half a turn)")
     arguments = parser.parse_args()
     if not arguments.interface:
         parser.error("no interface: name one, or set USR2556E_INTERFACE")
@@ -137,7 +140,7 @@ def main():
     except (Failure, ConnectionError, *MASTER_ERRORS) as error:
         print(f"FAIL {describe(error)}", flush=True)
         return 1
-    ok(f"everything (sessions: {arguments.sessions}, drives: {arguments.slaves})")
+    ok(f"everything (sessions: {arguments.sessions}, drives: {arguments.drives})")
     return 0
 
 

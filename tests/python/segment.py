@@ -13,8 +13,9 @@ VENDOR, PRODUCT, REVISION = 0x0000_0A88, 0x0A88_0001, 0x0000_0204
 
 # How long a drive may take for a state change, in us: the longest time-out of its ESI file is 9 s.
 STATE_TIMEOUT = 10_000_000
-# How long to wait for a frame, in us. Long, so that a busy machine is not mistaken for a lost frame.
-FRAME_TIMEOUT = 100_000
+# How long to wait for a frame, and for the slower EEPROM and mailbox, in us. Long, so that a busy machine is not mistaken for a lost frame.
+FRAME_TIMEOUT = 500_000
+SERVICE_TIMEOUT = 2_000_000
 # The process data watchdog, in ms: ten times the default, for the same reason.
 WATCHDOG = 1000.0
 # Cycles that may pass before something expected is given up.
@@ -49,7 +50,11 @@ class Segment:
         self.outputs = DEFAULT_OUTPUTS
         self.inputs = DEFAULT_INPUTS
         self.with_clocks = False
+        timeouts = pysoem.settings.timeouts
+        timeouts.ret = timeouts.safe = FRAME_TIMEOUT
+        timeouts.eeprom = timeouts.tx_mailbox = timeouts.rx_mailbox = SERVICE_TIMEOUT
         self.master = pysoem.Master()
+        self.master.sdo_read_timeout = self.master.sdo_write_timeout = SERVICE_TIMEOUT
         self.master.open(interface)
         self.next_cycle = time.monotonic_ns()
 

@@ -1,6 +1,7 @@
 //! The status line of each drive.
 
 use std::fmt;
+use std::io::{self, Write};
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
@@ -96,7 +97,8 @@ impl StatusLines {
                     status.mode
                 );
                 if state != self.states[position] {
-                    println!("{:>4} {status}", position + 1);
+                    // The drives go on when nobody reads.
+                    let _ = writeln!(io::stdout(), "{:>4} {status}", position + 1);
                     self.states[position] = state;
                 }
             }

@@ -1,7 +1,6 @@
 //! Captures: every frame of a link into a .pcapng file that Wireshark opens, and back out of one for replays.
 //!
-//! A disk that is full or gone must not stop a drive: a [`Recording`] goes on without its file, and [`Recorder::finish`] tells.
-use super::{Link, LinkError, Received};
+//! A disk that is full or gone must not stop a drive: a [`Recorder`] goes on without its file, and [`Recorder::finish`] tells.
 use pcap_file::pcapng::blocks::enhanced_packet::{EnhancedPacketBlock, EnhancedPacketOption};
 use pcap_file::pcapng::blocks::interface_description::{InterfaceDescriptionBlock, InterfaceDescriptionOption};
 use pcap_file::pcapng::{Block, PcapNgReader, PcapNgWriter};
@@ -11,7 +10,7 @@ use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::Duration;
 
 /// So many bytes of capture wait in memory before they are written: some 400 small frames.
 const BUFFER: usize = 64 * 1024;
@@ -100,58 +99,6 @@ impl Direction {
             2 => Some(Direction::Outbound),
             _ => None,
         }
-    }
-}
-
-/// A link that records every frame which passes through it.
-pub struct Recording<L: Link, W: Write = File> {
-    link: L,
-    recorder: Recorder<W>,
-    started: (Instant, Duration),
-}
-
-impl<L: Link, W: Write> Recording<L, W> {
-    /// Records `link` from now on, with the time of day as time stamps.
-    pub fn new(link: L, recorder: Recorder<W>) -> Self {
-        let since_epoch = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-        Recording {
-            link,
-            recorder,
-            started: (Instant::now(), since_epoch),
-        }
-    }
-
-    /// The link that is recorded.
-    pub fn link(&self) -> &L {
-        &self.link
-    }
-
-    /// Ends the recording; see [`Recorder::finish`].
-    pub fn finish(self) -> (L, io::Result<()>) {
-        (self.link, self.recorder.finish())
-    }
-
-    /// The time of day when the recording began and the steady clock since: a clock that is set back must not turn frames around.
-    fn now(&self) -> Duration {
-        self.started.1 + self.started.0.elapsed()
-    }
-}
-
-impl<L: Link, W: Write> Link for Recording<L, W> {
-    fn send(&mut self, frame: &[u8]) -> Result<(), LinkError> {
-        // Before the frame is recorded, so that the recording does not delay it; the time is that of sending.
-        let time = self.now();
-        self.link.send(frame)?;
-        self.recorder.record(time, Direction::Outbound, frame);
-        Ok(())
-    }
-
-    fn receive(&mut self, buffer: &mut [u8], wait: Duration) -> Result<Received, LinkError> {
-        let received = self.link.receive(buffer, wait)?;
-        if let Received::Frame(length) = received {
-            self.recorder.record(self.now(), Direction::Inbound, &buffer[..length]);
-        }
-        Ok(received)
     }
 }
 
@@ -287,24 +234,6 @@ impl std::error::Error for ReadError {
 mod tests {
     use super::*;
     use proptest::prelude::*;
-    use std::collections::VecDeque;
-
-    /// Sends into nothing, receives what it was given.
-    struct Script(VecDeque<Vec<u8>>);
-
-    impl Link for Script {
-        fn send(&mut self, _frame: &[u8]) -> Result<(), LinkError> {
-            Ok(())
-        }
-
-        fn receive(&mut self, buffer: &mut [u8], _wait: Duration) -> Result<Received, LinkError> {
-            let Some(frame) = self.0.pop_front() else {
-                return Ok(Received::Timeout);
-            };
-            buffer[..frame.len()].copy_from_slice(&frame);
-            Ok(Received::Frame(frame.len()))
-        }
-    }
 
     /// A disk with this many bytes left.
     struct SmallDisk(usize);
@@ -334,25 +263,6 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_holds_both_directions_in_order() {
-        let mut file = Vec::new();
-        let link = Script([vec![1; 60], vec![2; 1514]].into());
-        let mut recording = Recording::new(link, Recorder::new(&mut file, "veth-drive").unwrap());
-        let mut buffer = [0; super::super::MAX_FRAME];
-        assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Frame(60));
-        recording.send(&buffer[..60]).unwrap();
-        assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Frame(1514));
-        assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Timeout);
-        recording.finish().1.unwrap();
-
-        let packets = read(&file[..]).unwrap();
-        let seen: Vec<_> = packets.iter().map(|packet| (packet.direction, packet.data.len())).collect();
-        let expected = [(Direction::Inbound, 60), (Direction::Outbound, 60), (Direction::Inbound, 1514)];
-        assert_eq!(seen, expected.map(|(direction, length)| (Some(direction), length)));
-        assert!(packets.is_sorted_by_key(|packet| packet.timestamp_ns));
-    }
-
-    #[test]
     fn a_dropped_recorder_loses_nothing() {
         let mut file = Vec::new();
         let mut recorder = Recorder::new(&mut file, "veth-drive").unwrap();
@@ -362,14 +272,12 @@ mod tests {
     }
 
     #[test]
-    fn a_full_disk_stops_the_recording_but_not_the_link() {
-        let recorder = Recorder::new(SmallDisk(100_000), "veth-drive").unwrap();
-        let mut recording = Recording::new(Script(vec![vec![0; 1500]; 200].into()), recorder);
-        let mut buffer = [0; 1522];
-        for _ in 0..200 {
-            assert_eq!(recording.receive(&mut buffer, Duration::ZERO).unwrap(), Received::Frame(1500));
+    fn a_full_disk_stops_the_recording_and_the_end_tells() {
+        let mut recorder = Recorder::new(SmallDisk(100_000), "veth-drive").unwrap();
+        for second in 0..200 {
+            recorder.record(Duration::from_secs(second), Direction::Inbound, &[0; 1500]);
         }
-        assert_eq!(recording.finish().1.unwrap_err().kind(), io::ErrorKind::StorageFull);
+        assert_eq!(recorder.finish().unwrap_err().kind(), io::ErrorKind::StorageFull);
     }
 
     #[test]

@@ -252,5 +252,7 @@ impl Link for RawLink {
 
 /// On a single core, spinning would keep a master on the same machine from sending what is spun for.
 fn new_predictor() -> Predictor {
-    Predictor::new(Instant::now(), thread::available_parallelism().is_ok_and(|cores| cores.get() > 1))
+    // Cores that are online, not those this process may use: a server bound to one core leaves the master another.
+    let cores = nix::unistd::sysconf(nix::unistd::SysconfVar::_NPROCESSORS_ONLN);
+    Predictor::new(Instant::now(), cores.is_ok_and(|cores| cores > Some(1)))
 }

@@ -45,7 +45,7 @@ pub struct Predictor {
     /// Times are nanoseconds since this one, so that they can be averaged.
     origin: Instant,
     may_spin: bool,
-    /// The latest arrivals, oldest first; only kept while there is no rhythm.
+    /// The latest arrivals, oldest first.
     history: Vec<i64>,
     rhythm: Option<Rhythm>,
 }
@@ -80,19 +80,16 @@ impl Predictor {
     /// A frame arrived.
     pub fn arrived(&mut self, now: Instant) {
         let now = self.nanoseconds(now);
-        if let Some(rhythm) = &mut self.rhythm
-            && rhythm.arrived(now)
-        {
-            return;
-        }
-        if self.rhythm.take().is_some() {
-            self.history.clear();
-        }
         if self.history.len() == HISTORY {
             self.history.remove(0);
         }
         self.history.push(now);
-        self.rhythm = Rhythm::find(&self.history);
+        let history = &self.history;
+        self.rhythm = self
+            .rhythm
+            .take()
+            .and_then(|mut rhythm| (rhythm.arrived(now) && !rhythm.is_outdated(history)).then_some(rhythm));
+        self.rhythm = self.rhythm.or_else(|| Rhythm::find(history));
     }
 
     /// What to do about the next frame.
@@ -144,6 +141,15 @@ impl Rhythm {
             })
         });
         rhythm.filter(|rhythm| PERIODS.contains(&rhythm.period))
+    }
+
+    /// Whether the latest arrivals have a cycle of another length. Some of them may still come at expected times: every fourth of those every
+    /// 1000 us fits into cycles of 1333 us. Faster ones than can be predicted are frames between the cyclic ones.
+    fn is_outdated(&self, arrivals: &[i64]) -> bool {
+        cycles(1, arrivals).is_some_and(|(period, spread)| {
+            let steady = spread <= (2 * nanoseconds(GUARD)).min(period / 4);
+            steady && PERIODS.contains(&period) && (period - self.period).abs() > self.period / 10
+        })
     }
 
     /// At most a tenth of the cycle, so that spinning takes no more than that of a core.
@@ -337,6 +343,17 @@ mod tests {
         bench.arrive(every(1000, 50));
         bench.arrive((1..60).map(|cycle| 50_000 + cycle * 2000));
         assert_eq!(bench.cycle(), Some(2000));
+    }
+
+    #[test]
+    fn a_new_cycle_time_is_learnt_though_some_frames_fit_the_old_one() {
+        for old in (1010..3990).step_by(10) {
+            let mut bench = Bench::new();
+            bench.arrive(every(old, 50));
+            bench.arrive((1..60).map(|cycle| 50 * old + cycle * 1000));
+            let new = bench.cycle().unwrap();
+            assert!((990..=1010).contains(&new), "{new} after {old}");
+        }
     }
 
     #[test]

@@ -41,6 +41,11 @@ const POLL_INTERVAL: Duration = Duration::from_millis(1);
 /// A frame that was not back after this time is lost.
 const FRAME_LOST: Nanos = Nanos(20_000_000);
 
+/// How long a frame may take; on a busy computer, other programs come between.
+const FRAME_TIMEOUT: Duration = Duration::from_millis(100);
+/// How long a drive may take to answer, for the same reason far longer than any drive needs.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(2);
+
 /// A link that knows the time of the drives at its other end.
 pub trait MasterLink: Link {
     /// The present instant.
@@ -157,7 +162,10 @@ pub fn run<L: MasterLink, T>(link: &mut L, conversation: impl AsyncFnOnce(&MainD
     let storage = PduStorage::<FRAMES, FRAME_DATA>::new();
     let (tx, rx, pdu_loop) = storage.try_split().expect("this storage was made just now and never split");
     let timeouts = Timeouts {
-        pdu: Duration::from_millis(100),
+        pdu: FRAME_TIMEOUT,
+        eeprom: ANSWER_TIMEOUT,
+        mailbox_echo: ANSWER_TIMEOUT,
+        mailbox_response: ANSWER_TIMEOUT,
         ..Timeouts::default()
     };
     let config = MainDeviceConfig {

@@ -1,5 +1,6 @@
 //! `run` and `exec`.
 
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -22,7 +23,12 @@ use crate::status::StatusLines;
 pub(super) fn run(options: &Run) -> anyhow::Result<()> {
     let stop = super::on_signal()?;
     let service = Service::prepare(&options.served, &options.interface)?;
-    println!("Serving {} on {}; Ctrl-C ends.", plural(options.served.drives), options.interface);
+    writeln!(
+        io::stdout(),
+        "Serving {} on {}; Ctrl-C ends.",
+        plural(options.served.drives),
+        options.interface
+    )?;
     let mut lines = StatusLines::new(options.served.drives.into());
     service.serve(&stop, |segment, traffic| lines.show(segment, traffic))?;
     Ok(())

@@ -1,0 +1,172 @@
+//! What a control tick of 50 us costs: a whole virtual drive by `VirtualDrive::catch_up`, its firmware core alone and its plant alone.
+//!
+//! One iteration is a cycle of 1 ms with 20 ticks; times are CPU time per tick. In OP, the cycle begins with the master's frame, which is
+//! part of the time: a 20th of a frame is in each tick.
+
+use std::f64::consts::TAU;
+use std::hint::black_box;
+use std::time::Duration;
+
+use benchmarks::bring_up;
+use benchmarks::bus::{Bus, Lockstep};
+use benchmarks::cpu_time::cpu_time;
+use benchmarks::cyclic::{Cycle, Image};
+use benchmarks::machine;
+use board::{Actuators, ElectricalAngle, Milliamps, PowerStage, Sensors, TICK};
+use criterion::Criterion;
+use drive::{Drive, DriveObjects, PowerState};
+use plant::{Plant, PlantConfig};
+use usr2556e::master::process_data::{mode, towards_enabled};
+
+/// Ticks of a cycle of 1 ms.
+const TICKS: u32 = (bring_up::CYCLE.as_nanos() as u64 / TICK.0) as u32;
+
+/// Cycles of the sine that moving drives follow, of one turn to either side: 300 rpm at its steepest.
+const SINE_CYCLES: u64 = 1000;
+/// Its amplitude in pulses.
+const AMPLITUDE: f64 = 5000.0;
+
+/// What a moving drive may lag behind its target in pulses: a cycle of interpolation and the filter's 6.4 ms, at 31 pulses a ms.
+const MOST_LAG: i32 = 400;
+
+/// Target positions of a moving drive.
+fn sine(cycle: u64) -> i32 {
+    (AMPLITUDE * (TAU * (cycle % SINE_CYCLES) as f64 / SINE_CYCLES as f64).sin()) as i32
+}
+
+/// Calls `cycle` with the number of each cycle; CPU time per tick.
+fn per_tick(first: u64, cycles: u64, mut cycle: impl FnMut(u64)) -> Duration {
+    let begin = cpu_time();
+    for number in first..first + cycles {
+        cycle(number);
+    }
+    (cpu_time() - begin) / TICKS
+}
+
+/// A whole virtual drive, without traffic, just switched on.
+fn idle(criterion: &mut Criterion) {
+    let mut bus = Lockstep::new(1);
+    criterion.bench_function("virtual drive, INIT, no traffic", |bencher| {
+        bencher.iter_custom(|cycles| per_tick(0, cycles, |_| bus.pause(bring_up::CYCLE)));
+    });
+}
+
+/// A whole virtual drive, enabled in CSP.
+fn operating(criterion: &mut Criterion, name: &str, target: fn(u64) -> i32) {
+    let mut bus = Lockstep::new(1);
+    let mut cycle = Cycle::new(1, Image::Separate, false);
+    bring_up::to_op(&mut bus, &mut cycle);
+    bring_up::enable(&mut bus, &mut cycle);
+    let mut done = 0;
+    criterion.bench_function(name, |bencher| {
+        bencher.iter_custom(|cycles| {
+            let frames: Vec<Vec<u8>> = (0..SINE_CYCLES)
+                .map(|number| {
+                    cycle.outputs[0].target_position = target(number);
+                    cycle.frames().remove(0)
+                })
+                .collect();
+            let mut buffer = frames[0].clone();
+            let taken = per_tick(done, cycles, |number| {
+                buffer.copy_from_slice(&frames[(number % SINE_CYCLES) as usize]);
+                bus.exchange(&mut buffer);
+                bus.pause(bring_up::CYCLE);
+            });
+            done += cycles;
+            assert!(cycle.take(&[buffer.clone()]), "the drive has left OP");
+            let lag = cycle.inputs[0].position - target(done - 1);
+            assert!(lag.abs() < MOST_LAG, "the drive does not follow: {lag} pulses behind");
+            taken
+        });
+    });
+}
+
+/// The firmware core alone, without traffic and disabled.
+fn core_idle(criterion: &mut Criterion) {
+    let (mut core, mut objects) = (Drive::new(), DriveObjects::new());
+    let sensors = Plant::new(PlantConfig::default()).sensors();
+    criterion.bench_function("Drive::tick, disabled", |bencher| {
+        bencher.iter_custom(|cycles| per_tick(0, cycles, |_| tick(&mut core, &sensors, &mut objects)));
+    });
+}
+
+/// The firmware core alone, enabled and moving in CSP.
+fn core_moving(criterion: &mut Criterion) {
+    let (mut core, mut objects) = (Drive::new(), DriveObjects::new());
+    let sensors = Plant::new(PlantConfig::default()).sensors();
+    core.set_network(true);
+    objects.mode = mode::CYCLIC_POSITION;
+    while core.power_state() != PowerState::OperationEnabled {
+        objects.controlword = towards_enabled(objects.statusword, objects.controlword);
+        core.tick(&sensors, &mut objects);
+    }
+    let mut done = 0;
+    criterion.bench_function("Drive::tick, CSP moving", |bencher| {
+        bencher.iter_custom(|cycles| {
+            let taken = per_tick(done, cycles, |number| {
+                objects.target_position = sine(number);
+                core.synchronize(&objects, Some(board::Nanos(bring_up::CYCLE.as_nanos() as u64)));
+                tick(&mut core, &sensors, &mut objects);
+            });
+            done += cycles;
+            let lag = objects.position - sine(done - 1);
+            assert!(lag.abs() < MOST_LAG, "the drive does not follow: {lag} pulses behind");
+            taken
+        });
+    });
+}
+
+/// A cycle's ticks.
+fn tick(core: &mut Drive, sensors: &Sensors, objects: &mut DriveObjects) {
+    for _ in 0..TICKS {
+        black_box(core.tick(black_box(sensors), objects));
+    }
+}
+
+/// The plant alone, its field turning.
+fn plant_step(criterion: &mut Criterion) {
+    let mut plant = Plant::new(PlantConfig::default());
+    let mut done = 0;
+    criterion.bench_function("Plant::step, field turning", |bencher| {
+        bencher.iter_custom(|cycles| {
+            let taken = per_tick(done, cycles, |number| {
+                for step in 0..TICKS {
+                    black_box(plant.step(black_box(&field(number as u32 * TICKS + step))));
+                }
+            });
+            done += cycles;
+            taken
+        });
+    });
+}
+
+/// A field that turns by 20 electrical periods to and fro, so that the shaft stays between the stops.
+fn field(tick: u32) -> Actuators {
+    let phase = tick.wrapping_mul(1 << 22);
+    let turns_back = tick / (20 << 10) % 2 == 1;
+    let stage = PowerStage::Field {
+        angle: ElectricalAngle(if turns_back { phase.wrapping_neg() } else { phase }),
+        amplitude: Milliamps(3000),
+    };
+    Actuators {
+        stage,
+        ..Actuators::default()
+    }
+}
+
+fn main() {
+    println!("{}", machine::describe());
+    let mut criterion = Criterion::default()
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_millis(1500))
+        .sample_size(50)
+        .without_plots()
+        .configure_from_args();
+    idle(&mut criterion);
+    operating(&mut criterion, "virtual drive, OP, enabled and standing", |_| 0);
+    operating(&mut criterion, "virtual drive, OP, moving in CSP", sine);
+    core_idle(&mut criterion);
+    core_moving(&mut criterion);
+    plant_step(&mut criterion);
+    criterion.final_summary();
+}

@@ -1,0 +1,27 @@
+//! The program `usr2556e` from outside: exit statuses, files, and what it says to bad input.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`program`] | starting the program, and what it has left behind |
+//! | [`files`] | the demonstration, exports, EEPROM files, captures |
+//! | [`arguments`] | what cannot be meant |
+//! | [`network`] | interfaces and privileges |
+//! | [`exec`] | commands in a network of their own |
+
+mod arguments;
+mod exec;
+mod files;
+mod network;
+mod program;
+
+use libtest_mimic::{Arguments, Trial};
+use program::Outcome;
+
+/// A test and its name.
+type Case = (&'static str, fn() -> Outcome);
+
+fn main() -> std::process::ExitCode {
+    let cases = [arguments::CASES, files::CASES, network::CASES, exec::CASES].concat();
+    let trials = cases.into_iter().map(|(name, case)| Trial::ignorable_test(name, case)).collect();
+    libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
+}
