@@ -48,7 +48,7 @@ impl<'b> FrameBuilder<'b> {
         })
     }
 
-    /// Appends a datagram. `address` is a logical one or a [`physical_address`].
+    /// Appends a datagram. `address` is a logical one or a [`physical_address`](super::physical_address).
     pub fn datagram(&mut self, command: Command, index: u8, address: u32, data: &[u8]) -> Result<&mut Self, NoRoom> {
         let start = self.end;
         let end = start + DATAGRAM_HEADER + data.len() + WORKING_COUNTER;
