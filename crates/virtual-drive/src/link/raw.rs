@@ -5,6 +5,7 @@ use super::interface::{State, claim, existing, state};
 use super::open_error::OpenError;
 use super::wait::{Plan, Predictor};
 use super::{ETHERTYPE, Link, LinkError, Received, sys};
+use crate::clock::sleep_precisely;
 use nix::errno::Errno;
 use nix::net::if_::if_nametoindex;
 use nix::poll::{PollFd, PollFlags, ppoll};
@@ -196,13 +197,12 @@ impl RawLink {
         }
     }
 
-    /// Makes this thread's sleeps end when they are asked to, instead of within 50 us, the default for a thread that is not real-time.
+    /// Frames are announced late where sleeps are not precise; a link may change threads.
     fn be_precise(&mut self) {
         let thread = Some(thread::current().id());
         if self.precise != thread {
             self.precise = thread;
-            // Where this is refused, frames are announced a little late.
-            let _ = nix::sys::prctl::set_timerslack(1);
+            sleep_precisely();
         }
     }
 

@@ -29,6 +29,7 @@ use std::time::{Duration, Instant};
 use ethercrab::{MainDevice, MainDeviceConfig, PduRx, PduStorage, PduTx, RetryBehaviour, Timeouts};
 use wire::Nanos;
 
+use crate::clock::sleep_precisely;
 use crate::link::{Link, LinkError, MAX_FRAME, Received};
 use crate::segment::InMemory;
 
@@ -72,8 +73,9 @@ pub struct RealTimeLink<L> {
 }
 
 impl<L> RealTimeLink<L> {
-    /// Time starts now.
+    /// Time starts now, for the calling thread, whose sleeps become precise.
     pub fn new(link: L) -> Self {
+        sleep_precisely();
         Self {
             link,
             start: Instant::now(),
