@@ -26,7 +26,7 @@ fn is_as_after_power_on(bus: &mut Bus) -> bool {
     read(STATION_ADDRESS, 2) == [0, 0]
         && read(AL_STATUS, 2) == [1, 0]
         && read(USER_RAM, 1) == [0]
-        && read(SM + 16, 8) == [0; 8]
+        && read(SM + 16, 5) == [0; 5]
         && read(STATION_ALIAS, 1) == [0xAA]
 }
 
