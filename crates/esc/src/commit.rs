@@ -28,13 +28,17 @@ impl Chip {
         }
         self.ecat_events &= !self.acknowledged;
         self.acknowledged = 0;
-        self.finish_latch_read(true);
+        if self.has_read_latch() {
+            self.finish_latch_read(true);
+        }
         let mut letter = None;
         if !self.shadow.is_empty() {
             letter = self.shadow.get(RESET);
             self.commit_registers(pass);
         }
-        self.step_reset_by_bus(letter, pass.frame);
+        if letter.is_some() || self.reset[0].is_under_way() {
+            self.step_reset_by_bus(letter, pass.frame);
+        }
     }
 
     /// Ends a frame of broken structure: nothing it wrote to registers counts.

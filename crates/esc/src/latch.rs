@@ -87,11 +87,13 @@ impl Chip {
         }
     }
 
+    /// Whether the present frame has read a time.
+    pub(crate) fn has_read_latch(&self) -> bool {
+        self.latches.read != [0; UNITS]
+    }
+
     /// Ends a frame; what it has read counts if it was whole.
     pub(crate) fn finish_latch_read(&mut self, intact: bool) {
-        if self.latches.read == [0; UNITS] {
-            return;
-        }
         for unit in 0..UNITS {
             if intact && !self.slave_owns_latch(unit) {
                 self.arm_latch(unit, self.latches.read[unit]);

@@ -27,7 +27,8 @@ impl ResetSequence {
         complete
     }
 
-    const fn is_under_way(self) -> bool {
+    /// Whether letters have come and more are due.
+    pub(crate) const fn is_under_way(self) -> bool {
         self.0 != 0
     }
 }
@@ -41,9 +42,6 @@ impl Chip {
 
     /// Ends a frame that wrote `letter`, if any, to 0x0040.
     pub(crate) fn step_reset_by_bus(&mut self, letter: Option<u8>, frame: u64) {
-        if letter.is_none() && !self.reset[0].is_under_way() {
-            return;
-        }
         if self.reset[0].step(letter) {
             self.restart();
             self.ports.request(0, frame);

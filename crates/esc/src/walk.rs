@@ -82,10 +82,7 @@ pub(crate) fn follow_line<C: AsMut<Chip>>(drives: &mut [C], length: usize, journ
     let mut time = journey.entered;
     let mut latched = false;
     for position in 0..length {
-        let Some(drive) = drives.get_mut(position) else {
-            return None;
-        };
-        let chip = drive.as_mut();
+        let chip = drives.get_mut(position)?.as_mut();
         if !chip.ports.are(if position + 1 < length { MIDST } else { LAST }) {
             return follow(drives, End::Port { position, port: 0 }, time, journey);
         }
