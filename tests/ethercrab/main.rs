@@ -5,3 +5,4 @@ mod homing;
 mod mapping;
 mod motion;
 mod objects;
+mod topology;

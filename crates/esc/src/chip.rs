@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use wire::frame::Layout;
+use wire::frame::SOURCE_ADDRESS;
 use wire::register::*;
 use wire::{AlEvents, Nanos};
 
@@ -10,23 +10,29 @@ use crate::clock::Clock;
 use crate::eeprom::{EEPROM_SIZE, Eeprom};
 use crate::event::Events;
 use crate::fmmu::Fmmus;
-use crate::live::ecat_event;
+use crate::latch::Latches;
 use crate::memory::MEMORY_BYTES;
+use crate::ports::Ports;
 use crate::registers::{FMMUS, Registers, SYNC_MANAGERS};
+use crate::reset::ResetSequence;
 use crate::shadow::Shadow;
 use crate::sync_managers::SyncManagers;
 use crate::sync_signal::SyncSignals;
+use crate::walk::Journey;
 use crate::watchdog::Watchdog;
 
-/// Ports that the register map knows; the chip has the first two.
-pub(crate) const PORTS: usize = 4;
+/// Set in the source address of every frame that a slave has processed: "locally administered". By it a master tells its own frames
+/// from those that come back.
+const PROCESSED_SOURCE: u8 = 0x02;
+
+/// Ports of the ET1100 as most devices use it: one in, one out.
+const USUAL_PORTS: usize = 2;
 
 /// Register values after power-on that are not zero.
-const RESET_VALUES: [(u16, &[u8]); 13] = [
+const RESET_VALUES: [(u16, &[u8]); 12] = [
     (TYPE, &[0x11, 0x00, 0x03, 0x00]), // ET1100-0003
     (FMMU_COUNT, &[FMMUS as u8, SYNC_MANAGERS as u8, 8]),
-    (PORT_DESCRIPTOR, &[0x0F]), // two MII ports
-    (FEATURES, &[0xFC, 0x00]),  // 64-bit distributed clocks, bitwise FMMUs, all commands
+    (FEATURES, &[0xFC, 0x00]), // 64-bit distributed clocks, bitwise FMMUs, all commands
     (DL_CONTROL, &[0x01, 0x00, 0x07, 0x00]),
     (AL_CONTROL, &[0x01]),
     (AL_STATUS, &[0x01]),
@@ -54,10 +60,10 @@ pub struct ChipConfig {
 pub(crate) struct Pass {
     /// It entered the segment: the instant that the slave's time and the watchdogs go by, the same for every chip of the line.
     pub(crate) entered: Nanos,
-    /// Its start reaches port 0.
+    /// Its start reaches the chip on the way to the processing unit.
     pub(crate) arrival: Nanos,
-    /// Its start reaches port 1 on the way back, if there is a link.
-    pub(crate) returned: Nanos,
+    /// Its number, by which it is known when it comes back; 0 for none.
+    pub(crate) frame: u64,
 }
 
 impl Pass {
@@ -66,7 +72,7 @@ impl Pass {
         Self {
             entered: now,
             arrival: now,
-            returned: now,
+            frame: 0,
         }
     }
 }
@@ -97,7 +103,11 @@ pub struct Chip {
     /// ECAT events that the present frame takes back.
     pub(crate) acknowledged: u16,
     pub(crate) al_control_locked: bool,
-    pub(crate) links: [bool; PORTS],
+    pub(crate) ports: Ports,
+    pub(crate) latches: Latches,
+    /// Progress of the reset sequences at 0x0040 and 0x0041.
+    pub(crate) reset: [ResetSequence; 2],
+    pub(crate) resets: u32,
     /// The slave's time.
     pub(crate) now: Nanos,
     clock_offset_ns: u64,
@@ -105,8 +115,13 @@ pub struct Chip {
 }
 
 impl Chip {
-    /// A chip just powered on, without links.
+    /// A chip with two ports, 0 towards the master and 1 away from it, just powered on and without links.
     pub fn new(config: ChipConfig) -> Self {
+        Self::with_ports(config, USUAL_PORTS)
+    }
+
+    /// A chip with the first `ports` of four ports, 1 to 4: three or four make a junction of it.
+    pub fn with_ports(config: ChipConfig, ports: usize) -> Self {
         let mut chip = Self {
             registers: Registers::new(),
             shadow: Shadow::new(),
@@ -128,7 +143,10 @@ impl Chip {
             ecat_events: 0,
             acknowledged: 0,
             al_control_locked: false,
-            links: [false; PORTS],
+            ports: Ports::new(ports),
+            latches: Latches::default(),
+            reset: [ResetSequence::default(); 2],
+            resets: 0,
             now: Nanos(0),
             clock_offset_ns: config.clock_offset_ns,
             clock_ppb: config.clock_ppb,
@@ -137,23 +155,33 @@ impl Chip {
         chip
     }
 
-    /// Puts the chip into the state after power-on. The EEPROM keeps its contents and is loaded; links and time stay as they are.
+    /// Puts the chip into the state after power-on. The EEPROM keeps its contents and is loaded; cables and time stay as they are.
     pub fn power_cycle(&mut self) {
-        let (links, now, writes) = (self.links, self.now, self.eeprom.writes);
-        *self = Self::new(ChipConfig {
+        self.restart();
+        self.ports.control(0);
+    }
+
+    /// Everything as after power-on, but the loops.
+    pub(crate) fn restart(&mut self) {
+        let config = ChipConfig {
             eeprom: self.eeprom.image,
             clock_offset_ns: self.clock_offset_ns,
             clock_ppb: self.clock_ppb,
-        });
-        self.links = links;
-        self.now = now;
-        self.eeprom.writes = writes;
+        };
+        let restarted = Self::with_ports(config, self.ports.count());
+        let before = core::mem::replace(self, restarted);
+        self.ports = before.ports;
+        self.ports.forget_temporary();
+        self.now = before.now;
+        self.eeprom.writes = before.eeprom.writes;
+        self.resets = before.resets;
     }
 
     fn load_registers(&mut self) {
         for (address, bytes) in RESET_VALUES {
             self.registers.set(address, bytes);
         }
+        self.registers.set(PORT_DESCRIPTOR, &[self.ports.descriptor()]);
         self.load_eeprom();
     }
 
@@ -163,6 +191,7 @@ impl Chip {
     pub fn advance(&mut self, now: Nanos) {
         self.now = self.now.max(now);
         self.events.release(self.now);
+        self.settle_ports(self.now);
         if self.process_watchdog.poll(self.now, self.watchdog_timeout(PROCESS_WATCHDOG_TIME)) {
             self.registers.count(PROCESS_WATCHDOG_COUNTER);
             self.events.raise(AlEvents::PROCESS_WATCHDOG);
@@ -198,25 +227,14 @@ impl Chip {
         self.eeprom.writes
     }
 
-    /// Plugs or unplugs the cable of a port. The chip has ports 0 (towards the master) and 1; others are ignored.
-    pub fn set_link(&mut self, port: usize, up: bool) {
-        if port > 1 || self.links[port] == up {
-            return;
-        }
-        self.links[port] = up;
-        self.ecat_events |= ecat_event::DL_STATUS;
-        if !up {
-            self.registers.count(LOST_LINK_COUNTERS + port as u16);
-        }
-    }
-
-    /// Lets a frame pass. `intact` says whether its structure holds to the end.
-    pub(crate) fn pass_frame(&mut self, frame: &mut [u8], layout: &Layout, intact: bool, pass: Pass) {
-        let mut walk = layout.walk();
-        while let Some(mut datagram) = walk.next_mut(frame) {
+    /// Lets a frame pass through the processing unit.
+    pub(crate) fn pass_frame(&mut self, journey: &mut Journey, pass: Pass) {
+        journey.frame[SOURCE_ADDRESS] |= PROCESSED_SOURCE;
+        let mut walk = journey.layout.walk();
+        while let Some(mut datagram) = walk.next_mut(journey.frame) {
             self.execute(pass, &mut datagram);
         }
-        if intact {
+        if journey.intact {
             self.commit_frame(pass);
         } else {
             self.drop_frame();
@@ -236,7 +254,7 @@ impl fmt::Debug for Chip {
             .field("station_address", &self.registers.u16(STATION_ADDRESS))
             .field("al_control", &self.registers.u16(AL_CONTROL))
             .field("al_status", &self.registers.u16(AL_STATUS))
-            .field("links", &self.links)
+            .field("ports", &self.ports)
             .field("now", &self.now)
             .finish_non_exhaustive()
     }

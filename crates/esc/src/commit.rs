@@ -28,8 +28,16 @@ impl Chip {
         }
         self.ecat_events &= !self.acknowledged;
         self.acknowledged = 0;
+        if self.has_read_latch() {
+            self.finish_latch_read(true);
+        }
+        let mut letter = None;
         if !self.shadow.is_empty() {
+            letter = self.shadow.get(RESET);
             self.commit_registers(pass);
+        }
+        if letter.is_some() || self.reset[0].is_under_way() {
+            self.step_reset_by_bus(letter, pass.frame);
         }
     }
 
@@ -42,6 +50,7 @@ impl Chip {
         }
         self.touched = 0;
         self.acknowledged = 0;
+        self.finish_latch_read(false);
         self.shadow.clear();
         self.registers.count(PROCESSING_ERROR_COUNTER);
     }
@@ -90,6 +99,7 @@ impl Chip {
 
     fn after_store(&mut self, pass: Pass) {
         let at = pass.entered;
+        self.commit_loop_control(at, pass.frame);
         if self.shadow.any(AL_CONTROL, 2) {
             self.al_control_locked = true;
             self.events.raise_at(at, AlEvents::AL_CONTROL);
@@ -145,10 +155,13 @@ impl Chip {
     fn commit_clock(&mut self, pass: Pass) {
         let at = pass.arrival;
         if self.shadow.get(DC_RECEIVE_TIMES).is_some() {
-            self.latch_receive_times(pass);
+            self.latch_receive_times(pass.frame, at);
         }
         if self.shadow.any(DC_SPEED_START, 2) {
             self.clock.reset_loop(at);
+        }
+        if self.shadow.any(DC_LATCH_CONTROL, 2) {
+            self.commit_latch_control();
         }
         let start_written = self.shadow.any(DC_START_TIME, 8);
         if start_written {
@@ -175,18 +188,6 @@ impl Chip {
         };
         let now = self.system_time(at);
         self.sync_signals.start(self.start_time, now, rules, self.cycles());
-    }
-
-    /// Latches when this frame came by: at port 0, and at port 1 on its way back.
-    fn latch_receive_times(&mut self, pass: Pass) {
-        let arrival = self.clock.local(pass.arrival);
-        let times = [arrival, self.clock.local(pass.returned)];
-        for (port, time) in times.into_iter().enumerate() {
-            if self.links[port] {
-                self.registers.set(DC_RECEIVE_TIMES + 4 * port as u16, &(time as u32).to_le_bytes());
-            }
-        }
-        self.registers.set(DC_PROCESSING_TIME, &arrival.to_le_bytes());
     }
 
     /// Compares the system time that the frame brought with the chip's own at the frame's start; only 32 bits count.

@@ -20,6 +20,9 @@ impl Chip {
         let command = datagram.command();
         let success = match self.action(command, datagram.adp()) {
             Action::Nothing => Success::default(),
+            Action::Physical(Operation::Exchange) if self.registers.u16(PHYSICAL_OFFSET) != 0 => {
+                self.exchange_apart(pass, u32::from(datagram.ado()), datagram.data_mut())
+            }
             Action::Physical(operation) => {
                 let address = u32::from(datagram.ado());
                 self.ecat_access(pass, address, datagram.data_mut(), operation)
@@ -44,6 +47,18 @@ impl Chip {
         if mask != 0 {
             datagram.add_events(self.ecat_events() & mask);
         }
+    }
+
+    /// Reads and writes at addresses that the physical read/write offset keeps apart, byte for byte as the frame passes.
+    fn exchange_apart(&mut self, pass: Pass, address: u32, data: &mut [u8]) -> Success {
+        let offset = u32::from(self.registers.u16(PHYSICAL_OFFSET));
+        let mut success = Success::default();
+        for (at, byte) in (address..).zip(data.iter_mut()) {
+            let mut written = [*byte];
+            success |= self.ecat_access(pass, at, core::slice::from_mut(byte), Operation::Read);
+            success |= self.ecat_access(pass, at + offset, &mut written, Operation::Write);
+        }
+        success
     }
 
     fn action(&self, command: Command, adp: u16) -> Action {

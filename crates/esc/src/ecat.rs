@@ -180,6 +180,7 @@ impl Chip {
                 let activate = address - address % SM_SIZE + sync_manager::ACTIVATE;
                 self.registers.u8(activate) & sync_manager::ACTIVATE_ENABLE == 0
             }
+            DC_LATCH_CONTROL..DC_LATCH_STATUS => !self.slave_owns_latch(usize::from(address - DC_LATCH_CONTROL)),
             _ => self.registers.u8(DC_CYCLIC_CONTROL) & 1 == 0,
         }
     }

@@ -1,9 +1,11 @@
 //! An EtherCAT slave controller of the ET1100's class in software: 8 FMMUs, 8 sync managers, 8 kB of process memory, 64-bit distributed
-//! clocks, two ports. Frames come in on one side ([`Segment::process`]), the slave stack works on the other ([`wire::EscAccess`]).
+//! clocks, two ports or up to four. Frames come in on one side ([`Segment::process`]), the slave stack works on the other ([`wire::EscAccess`]).
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`segment`] | [`Segment`]: a line of chips, through which a frame passes |
+//! | [`segment`] | [`Segment`]: chips and the cables between them, through which a frame passes |
+//! | `walk` | the way of one frame from port to port |
+//! | `ports` | links, loops and receive times of a chip's ports |
 //! | [`chip`] | [`Chip`]: the parts together, power-on, passing of time, one frame through one chip |
 //! | `datagram` | one datagram on one chip: addressing, working counter |
 //! | `ecat` | the bus side's access to registers and memory, byte for byte |
@@ -23,9 +25,10 @@
 //! | `watchdog` | process data and PDI watchdog |
 //! | `clock` | the local clock and the loop that makes it follow the reference clock |
 //! | `sync_signal` | SYNC0 and SYNC1 |
+//! | `latch` | the latch units: times of edges of an input |
+//! | `reset` | reset by register |
 //!
-//! Not there yet: reset by 0x0040, rings and circulating frames, loop control (0x0101 is stored only), latch units, the physical
-//! read/write offset (0x0108), UDP encapsulation.
+//! Not there: write protection (0x0020 to 0x0031, which are reserved), UDP encapsulation.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -40,20 +43,24 @@ mod ecat;
 mod eeprom;
 mod event;
 mod fmmu;
+mod latch;
 mod live;
 mod logical;
 mod memory;
 mod pdi;
+mod ports;
 mod registers;
+mod reset;
 mod shadow;
 mod sync_manager;
 mod sync_managers;
 mod sync_signal;
+mod walk;
 mod watchdog;
 
 pub use chip::{Chip, ChipConfig};
 pub use eeprom::EEPROM_SIZE;
-pub use segment::{Processed, Segment};
+pub use segment::{CannotConnect, End, Processed, Segment, Side};
 
 #[cfg(test)]
 mod robustness;

@@ -3,7 +3,7 @@
 use wire::Nanos;
 use wire::register::*;
 
-use crate::chip::{Chip, PORTS, Pass};
+use crate::chip::{Chip, Pass};
 use crate::clock::LoopSettings;
 use crate::registers::SYNC_MANAGERS;
 use crate::sync_manager::Side;
@@ -11,6 +11,7 @@ use crate::sync_signal::Cycles;
 
 /// Bits of the ECAT event request (0x0210).
 pub(crate) mod ecat_event {
+    pub(crate) const DC_LATCH: u16 = 1 << 0;
     pub(crate) const DL_STATUS: u16 = 1 << 2;
     pub(crate) const AL_STATUS: u16 = 1 << 3;
     /// Sync manager 0; the others follow.
@@ -86,23 +87,12 @@ impl Chip {
         self.registers.set(DC_SYNC0_STATUS, &status);
     }
 
-    /// DL status: what the ports' links and loops are.
-    fn dl_status(&self) -> u16 {
-        let timeout = self.watchdog_timeout(PDI_WATCHDOG_TIME);
-        let pdi_alive = !self.pdi_watchdog.was_triggered() || self.pdi_watchdog.is_content(self.now, timeout);
-        let mut status = u16::from(self.is_eeprom_loaded()) | u16::from(pdi_alive) << 1;
-        for port in 0..PORTS {
-            status |= match self.links[port] {
-                true => 1 << (4 + port) | 0b10 << (8 + 2 * port),
-                false => 0b01 << (8 + 2 * port),
-            };
-        }
-        status
-    }
-
     /// The ECAT event request.
     pub(crate) fn ecat_events(&self) -> u16 {
         let mut events = self.ecat_events;
+        if self.has_latch_event(false) {
+            events |= ecat_event::DC_LATCH;
+        }
         for index in 0..SYNC_MANAGERS {
             if self.sync_managers.get(index).has_ecat_event() {
                 events |= ecat_event::SYNC_MANAGER << index;
@@ -119,6 +109,7 @@ impl Chip {
         if touches(first, count, AL_STATUS, 2) {
             self.acknowledged |= ecat_event::AL_STATUS;
         }
+        self.note_latch_read(first, count);
     }
 
     /// The chip's copy of the system time.

@@ -109,6 +109,7 @@ impl Chip {
         if (0..SYNC_MANAGERS as u16).any(|index| touches(first, count, activate(index), 1)) {
             self.events.cancel(AlEvents::SM_ACTIVATION);
         }
+        self.acknowledge_latch(first, count);
         for (register, event) in [
             (PROCESS_WATCHDOG_STATUS, AlEvents::PROCESS_WATCHDOG),
             (DC_SYNC0_STATUS, AlEvents::SYNC0),
@@ -128,13 +129,18 @@ impl Chip {
             }
         }
         if !self.shadow.is_empty() {
+            let letter = self.shadow.get(RESET_PDI);
             self.commit_registers(Pass::of_slave(self.now));
+            if let Some(letter) = letter {
+                self.step_reset_by_slave(letter);
+            }
         }
     }
 
     fn condition_of_pdi_write(&self, address: u16) -> bool {
         match address {
             EEPROM_CONTROL..FMMU => self.registers.u8(EEPROM_PDI_ACCESS) & 1 != 0,
+            DC_LATCH_CONTROL..DC_LATCH_STATUS => self.slave_owns_latch(usize::from(address - DC_LATCH_CONTROL)),
             _ => self.registers.u8(DC_CYCLIC_CONTROL) & 1 != 0,
         }
     }

@@ -67,11 +67,14 @@ const OWNER: u8 = R | Rights::ECAT_WRITE | Rights::PDI_WRITE | Rights::CONDITION
 const BUS_ACT: u8 = BUS | Rights::TRIGGER;
 
 /// First byte, number of bytes, rights. What is not listed is reserved.
-const RANGES: [(u16, u16, u8); 47] = [
+const RANGES: [(u16, u16, u8); 53] = [
     (TYPE, 10, R),
     (STATION_ADDRESS, 2, BUS),
     (STATION_ALIAS, 2, SLAVE),
+    (RESET, 1, BUS_ACT),
+    (RESET_PDI, 1, SLAVE | Rights::TRIGGER),
     (DL_CONTROL, 4, BUS),
+    (PHYSICAL_OFFSET, 2, BUS),
     (DL_STATUS, 2, R),
     (AL_CONTROL, 2, BUS_IF),
     (AL_STATUS, 2, SLAVE),
@@ -115,6 +118,9 @@ const RANGES: [(u16, u16, u8); 47] = [
     (DC_START_TIME, 8, OWNER),
     (DC_NEXT_SYNC1, 8, R),
     (DC_SYNC0_CYCLE, 8, OWNER),
+    (DC_LATCH_CONTROL, 2, OWNER),
+    (DC_LATCH_STATUS, 2, R),
+    (DC_LATCH_TIMES, 32, R),
 ];
 
 /// The rights of every register byte: [`RANGES`], and the FMMUs and sync managers, which repeat.
@@ -215,7 +221,8 @@ mod tests {
     fn reserved_bytes_have_no_rights() {
         for address in [
             0x000A,
-            0x0040,
+            0x0020,
+            0x0042,
             0x0132,
             0x0440 + 2 + 2,
             0x060D,
@@ -223,7 +230,8 @@ mod tests {
             0x0840,
             0x0936,
             0x0985,
-            0x09A8,
+            0x09AA,
+            0x09D0,
             0x0F00,
             0xFFFF,
         ] {

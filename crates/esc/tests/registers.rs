@@ -123,7 +123,7 @@ fn dl_status_tells_where_in_the_line_a_chip_is() {
     let mut bus = Bus::new(1);
     assert_eq!(bus.read_u16(0, DL_STATUS), 0x5613);
     bus.chip(0).set_link(1, true);
-    assert_eq!(bus.read_u16(0, DL_STATUS), 0x5A33);
+    assert_eq!(bus.chip(0).read_u16(DL_STATUS), 0x5A33);
     bus.chip(0).set_link(1, false);
     bus.chip(0).set_link(3, true);
     assert_eq!(bus.read_u16(0, DL_STATUS), 0x5613);

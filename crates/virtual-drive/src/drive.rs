@@ -22,6 +22,8 @@ pub struct DriveConfig {
     pub clock_offset_ns: u64,
     /// How much the slave controller's clock runs too fast, in parts per billion.
     pub clock_ppb: i32,
+    /// EtherCAT ports of the slave controller, 1 to 4: the USR2556E has two; with three or four, it is a junction.
+    pub ports: usize,
     /// Motor, axis, switches and supply.
     pub plant: PlantConfig,
 }
@@ -35,6 +37,7 @@ impl DriveConfig {
             eeprom: None,
             clock_offset_ns: 1_234_567 * u64::from(number),
             clock_ppb: 0,
+            ports: 2,
             plant: PlantConfig::default(),
         }
     }
@@ -49,23 +52,27 @@ pub struct VirtualDrive {
     sensors: Sensors,
     actuators: Actuators,
     next_tick: Nanos,
+    /// The slave controller's resets that the device has followed.
+    resets: u32,
 }
 
 impl VirtualDrive {
     /// A drive just switched on, at instant 0.
     pub fn new(config: DriveConfig) -> Self {
         let eeprom = config.eeprom.unwrap_or_else(|| device::sii::image(config.serial, 0));
-        let chip = Chip::new(ChipConfig {
+        let chip = ChipConfig {
             eeprom,
             clock_offset_ns: config.clock_offset_ns,
             clock_ppb: config.clock_ppb,
-        });
+        };
+        let chip = Chip::with_ports(chip, config.ports);
         let plant = Plant::new(config.plant);
         Self {
             sensors: plant.sensors(),
             device: Device::new(config.serial),
             actuators: Actuators::default(),
             next_tick: TICK_PERIOD,
+            resets: chip.resets(),
             config,
             chip,
             plant,
@@ -75,12 +82,22 @@ impl VirtualDrive {
     /// Switches the drive off and on again: everything but EEPROM and the place of the axis starts anew.
     pub fn power_cycle(&mut self) {
         self.chip.power_cycle();
+        self.restart_device();
+    }
+
+    fn restart_device(&mut self) {
         self.device = Device::new(self.config.serial);
         self.actuators = Actuators::default();
     }
 
     /// Simulates up to `now`: every control tick on the way, then what the master has asked since the last of them.
+    ///
+    /// When the slave controller has been reset by register (0x0040), its reset pin has restarted the processor with it.
     pub fn catch_up(&mut self, now: Nanos) {
+        if self.chip.resets() != self.resets {
+            self.resets = self.chip.resets();
+            self.restart_device();
+        }
         if now.since(self.next_tick) > MAX_BEHIND.0 {
             let ticks = (now.since(self.next_tick) - MAX_BEHIND.0) / TICK_PERIOD.0;
             self.next_tick.0 += ticks * TICK_PERIOD.0;

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`drive`] | [`drive::VirtualDrive`]: slave controller, device and plant on one time line |
-//! | [`segment`] | drives in a line; [`segment::InMemory`], a wire that ends in this process |
+//! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
 //! | [`clock`] | real time and lock-step |
 //! | [`link`] | wires: the trait, raw Ethernet on an interface, captures |
 //! | [`server`] | serving a segment to whatever master is on a link |

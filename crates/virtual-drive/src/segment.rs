@@ -1,9 +1,9 @@
-//! Drives in a line, and the wire that ends in this process.
+//! Drives plugged together, and the wire that ends in this process.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use esc::{Processed, Segment};
+use esc::{CannotConnect, End, Processed, Segment, Side};
 use wire::Nanos;
 
 use crate::clock::Clock;
@@ -11,7 +11,7 @@ use crate::drive::{DriveConfig, VirtualDrive};
 use crate::link::pcap::{Direction, Recorder};
 use crate::link::{Link, LinkError, Received};
 
-/// Virtual drives, each plugged into the one before it.
+/// Virtual drives and the cables between them: a line at first, each drive plugged into the one before it.
 pub struct VirtualSegment {
     segment: Segment<Vec<VirtualDrive>>,
 }
@@ -29,12 +29,31 @@ impl VirtualSegment {
         Self::new((0..count).map(DriveConfig::numbered))
     }
 
+    /// Plugs a cable while everything runs.
+    ///
+    /// # Errors
+    /// An end does not exist or is taken. Nothing has changed then.
+    pub fn connect(&mut self, one: End, other: End) -> Result<(), CannotConnect> {
+        self.segment.connect(one, other)
+    }
+
+    /// Unplugs, or breaks, the cable that ends here. Returns the other end, if there was a cable.
+    pub fn disconnect(&mut self, end: End) -> Option<End> {
+        self.segment.disconnect(end)
+    }
+
+    /// Lets a frame that arrives from one of the master's two cards at `now` pass. Returns the card where it comes out, if it does. For
+    /// the rest, see [`Self::process`].
+    pub fn process_from(&mut self, side: Side, frame: &mut [u8], now: Nanos) -> Option<Side> {
+        self.segment.process_from(side, frame, now).1
+    }
+
     /// Lets a frame that arrives at `now` pass through all drives. Returns whether it comes back, as a broken EtherCAT frame does too;
-    /// frames of other protocols do not.
+    /// frames of other protocols do not, nor do frames that get lost on their way.
     ///
     /// The simulation stays where it is, so that the answer need not wait for it; call [`Self::catch_up`] after sending it.
     pub fn process(&mut self, frame: &mut [u8], now: Nanos) -> bool {
-        self.segment.process(frame, now) != Processed::NotEtherCat
+        matches!(self.segment.process(frame, now), Processed::Returned | Processed::Malformed)
     }
 
     /// Simulates every drive up to `now`.

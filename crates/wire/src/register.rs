@@ -20,10 +20,14 @@ pub const FEATURES: u16 = 0x0008;
 pub const STATION_ADDRESS: u16 = 0x0010;
 /// Configured station alias (u16).
 pub const STATION_ALIAS: u16 = 0x0012;
-/// ESC reset, bus side (u8).
+/// ESC reset by the bus (u8): takes the letters of "RES", shows how far the sequence has come.
 pub const RESET: u16 = 0x0040;
-/// DL control (u32).
+/// ESC reset by the slave (u8).
+pub const RESET_PDI: u16 = 0x0041;
+/// DL control (u32): forwarding rule, loop control (second byte), FIFO, alias.
 pub const DL_CONTROL: u16 = 0x0100;
+/// Physical read/write offset (u16): how far behind its reading an APRW or FPRW writes.
+pub const PHYSICAL_OFFSET: u16 = 0x0108;
 /// DL status (u16).
 pub const DL_STATUS: u16 = 0x0110;
 /// AL control (u16).
@@ -136,6 +140,12 @@ pub const DC_NEXT_SYNC1: u16 = 0x0998;
 pub const DC_SYNC0_CYCLE: u16 = 0x09A0;
 /// SYNC1 cycle time in ns (u32).
 pub const DC_SYNC1_CYCLE: u16 = 0x09A4;
+/// Latch control (u8 a unit), see [`dc_latch`].
+pub const DC_LATCH_CONTROL: u16 = 0x09A8;
+/// Latch status (u8 a unit), see [`dc_latch`].
+pub const DC_LATCH_STATUS: u16 = 0x09AE;
+/// Latch times (u64 each): positive and negative edge of unit 0, then of unit 1.
+pub const DC_LATCH_TIMES: u16 = 0x09B0;
 /// Free memory for the application, before the process memory.
 pub const USER_RAM: u16 = 0x0F80;
 /// First byte of the process memory.
@@ -157,6 +167,16 @@ pub mod dc_activation {
     pub const PLAUSIBILITY: u8 = 1 << 5;
     /// The near future is 2^31 ns instead of half the width of the clock.
     pub const NEAR_FUTURE: u8 = 1 << 6;
+}
+
+/// Bits of [`DC_LATCH_CONTROL`] and [`DC_LATCH_STATUS`].
+pub mod dc_latch {
+    /// Control: of the positive edges, only the first is latched until its time has been read. Status: it has been latched.
+    pub const POSITIVE: u8 = 1 << 0;
+    /// Control: of the negative edges, only the first is latched until its time has been read. Status: it has been latched.
+    pub const NEGATIVE: u8 = 1 << 1;
+    /// Status: the level of the input.
+    pub const LEVEL: u8 = 1 << 2;
 }
 
 /// Offsets and bits within a sync manager's eight bytes.

@@ -1,7 +1,7 @@
 //! A line of chips and a master that sends single frames to it.
 #![allow(dead_code, reason = "every test file uses another part")]
 
-use esc::{Chip, ChipConfig, EEPROM_SIZE, Processed, Segment};
+use esc::{Chip, ChipConfig, EEPROM_SIZE, End, Processed, Segment, Side};
 use wire::Nanos;
 use wire::frame::{Command, FrameBuilder, Layout, physical_address};
 use wire::register::*;
@@ -29,6 +29,49 @@ pub fn chip(clock_offset_ns: u64, clock_ppb: i32) -> Chip {
         clock_offset_ns,
         clock_ppb,
     })
+}
+
+/// A chip with so many ports, whose clock shows `clock_offset_ns` at time 0.
+pub fn junction(clock_offset_ns: u64, ports: usize) -> Chip {
+    let config = ChipConfig {
+        eeprom: eeprom(),
+        clock_offset_ns,
+        clock_ppb: 0,
+    };
+    Chip::with_ports(config, ports)
+}
+
+/// Port `port` of the chip in `position`.
+pub fn port(position: usize, port: usize) -> End {
+    End::Port { position, port }
+}
+
+pub const PRIMARY: End = End::Master(Side::Primary);
+pub const SECONDARY: End = End::Master(Side::Secondary);
+
+/// A frame of these datagrams from a card with this address.
+pub fn frame(source: [u8; 6], datagrams: &[(Command, u32, &[u8])]) -> Vec<u8> {
+    let mut buffer = [0; 2100];
+    let mut builder = FrameBuilder::new(&mut buffer, source).unwrap();
+    for (index, (command, address, data)) in datagrams.iter().enumerate() {
+        builder.datagram(*command, index as u8, *address, data).unwrap();
+    }
+    let length = builder.finish();
+    buffer[..length].to_vec()
+}
+
+/// What the datagrams of a frame say.
+pub fn answers(frame: &[u8]) -> Vec<Answer> {
+    let mut walk = Layout::of(frame).unwrap().walk();
+    std::iter::from_fn(|| {
+        walk.next(frame).map(|datagram| Answer {
+            adp: datagram.adp(),
+            events: datagram.events(),
+            data: datagram.data().to_vec(),
+            wkc: datagram.working_counter(),
+        })
+    })
+    .collect()
 }
 
 /// What came back of one datagram.
@@ -81,24 +124,24 @@ impl Bus {
 
     /// Sends one frame of several datagrams.
     pub fn send(&mut self, datagrams: &[(Command, u32, &[u8])]) -> Vec<Answer> {
-        let mut buffer = [0; 2100];
-        let mut builder = FrameBuilder::new(&mut buffer, SOURCE).unwrap();
-        for (index, (command, address, data)) in datagrams.iter().enumerate() {
-            builder.datagram(*command, index as u8, *address, data).unwrap();
-        }
-        let length = builder.finish();
-        let frame = &mut buffer[..length];
-        assert_eq!(self.segment.process(frame, Nanos(self.now)), Processed::Returned);
-        let mut walk = Layout::of(frame).unwrap().walk();
-        std::iter::from_fn(|| {
-            walk.next(frame).map(|datagram| Answer {
-                adp: datagram.adp(),
-                events: datagram.events(),
-                data: datagram.data().to_vec(),
-                wkc: datagram.working_counter(),
-            })
-        })
-        .collect()
+        let mut frame = frame(SOURCE, datagrams);
+        assert_eq!(self.segment.process(&mut frame, Nanos(self.now)), Processed::Returned);
+        answers(&frame)
+    }
+
+    /// Sends a frame from a card, changed in place; where it comes out.
+    pub fn send_from(&mut self, side: Side, frame: &mut [u8]) -> Option<Side> {
+        self.segment.process_from(side, frame, Nanos(self.now)).1
+    }
+
+    /// Plugs a cable.
+    pub fn plug(&mut self, one: End, other: End) {
+        assert_eq!(self.segment.connect(one, other), Ok(()));
+    }
+
+    /// Breaks the cable that ends here.
+    pub fn unplug(&mut self, end: End) {
+        assert!(self.segment.disconnect(end).is_some(), "{end:?} has no cable");
     }
 
     pub fn one(&mut self, command: Command, address: u32, data: &[u8]) -> Answer {

@@ -39,6 +39,7 @@ pub const MAX_LENGTH: usize = 0x07FF;
 pub const TYPE_DATAGRAMS: u8 = 1;
 
 const LENGTH_MASK: u16 = 0x07FF;
+const CIRCULATING: u16 = 0x4000;
 const MORE_FOLLOWS: u16 = 0x8000;
 
 /// The address field of a physical datagram: position or station address `adp`, and offset `ado` in the slave.
@@ -213,6 +214,11 @@ impl<T: AsRef<[u8]>> Datagram<T> {
         self.word(6) & MORE_FOLLOWS != 0
     }
 
+    /// Whether the frame has come once into a part of the segment that lost its way to the master.
+    pub fn is_circulating(&self) -> bool {
+        self.word(6) & CIRCULATING != 0
+    }
+
     /// The ECAT event request of the slaves passed so far.
     pub fn events(&self) -> u16 {
         self.word(8)
@@ -237,6 +243,11 @@ impl<T: AsRef<[u8]> + AsMut<[u8]>> Datagram<T> {
     /// Counts the position on by one slave; it wraps.
     pub fn increment_adp(&mut self) {
         self.set_word(2, self.adp().wrapping_add(1));
+    }
+
+    /// Marks the frame as one that has come into a part of the segment that lost its way to the master.
+    pub fn set_circulating(&mut self) {
+        self.set_word(6, self.word(6) | CIRCULATING);
     }
 
     /// Adds a slave's events.
