@@ -88,7 +88,10 @@ impl Device {
     /// # Errors
     /// The abort code that the upload would end with.
     pub fn read_object(&mut self, index: u16, sub: u8, now: Nanos, out: &mut [u8]) -> Result<usize, AbortCode> {
-        let application = Application { drive: &self.drive, objects: &mut self.objects };
+        let application = Application {
+            drive: &self.drive,
+            objects: &mut self.objects,
+        };
         self.slave.read_object(&application, index, sub, now, out)
     }
 
