@@ -113,9 +113,17 @@ fn the_sii_says_who_the_device_is() {
 fn the_sii_names_mailboxes_sync_managers_and_fmmus_alike() {
     let image = Image::new();
     let managers = &image.categories()[&category::SYNC_MANAGERS];
-    let manager = |n: usize| (u16::from_le_bytes([managers[8 * n], managers[8 * n + 1]]), u16::from_le_bytes([managers[8 * n + 2], managers[8 * n + 3]]));
+    let manager = |n: usize| {
+        (
+            u16::from_le_bytes([managers[8 * n], managers[8 * n + 1]]),
+            u16::from_le_bytes([managers[8 * n + 2], managers[8 * n + 3]]),
+        )
+    };
     for n in 0..2 {
-        assert_eq!(manager(n), (image.word(word::MAILBOXES + 2 * n), image.word(word::MAILBOXES + 2 * n + 1)));
+        assert_eq!(
+            manager(n),
+            (image.word(word::MAILBOXES + 2 * n), image.word(word::MAILBOXES + 2 * n + 1))
+        );
     }
     assert_eq!([0, 1, 2, 3].map(|n| managers[8 * n + 4]), [0x26, 0x22, 0x64, 0x20], "control bytes");
     assert_eq!([0, 1, 2, 3].map(|n| managers[8 * n + 7]), [1, 2, 3, 4], "types");
@@ -127,7 +135,10 @@ fn the_sii_names_mailboxes_sync_managers_and_fmmus_alike() {
         general[5], 0x2F,
         "SDO, SDO information, PDO assignment, PDO configuration, complete access"
     );
-    assert_eq!(general[11], 0x0C, "mailbox messages are repeated, the device identifies itself in the AL status code");
+    assert_eq!(
+        general[11], 0x0C,
+        "mailbox messages are repeated, the device identifies itself in the AL status code"
+    );
 }
 
 #[test]
@@ -137,7 +148,10 @@ fn the_pdos_of_the_sii_are_those_of_the_object_dictionary() {
     let mut read = |index: u16, sub: u8| {
         let mut bytes = [0; device::MAX_OBJECT_SIZE];
         let length = device.read_object(index, sub, wire::Nanos(0), &mut bytes).unwrap();
-        bytes[..length].iter().rev().fold(0_u32, |value, byte| value << 8 | u32::from(*byte))
+        bytes[..length]
+            .iter()
+            .rev()
+            .fold(0_u32, |value, byte| value << 8 | u32::from(*byte))
     };
     for (kind, assignment, manager) in [(category::RX_PDO, 0x1C12, 2), (category::TX_PDO, 0x1C13, 3)] {
         let assigned: Vec<u32> = (1..=read(assignment, 0)).map(|sub| read(assignment, sub as u8)).collect();
@@ -161,7 +175,11 @@ fn the_esi_holds_every_object_of_the_dictionary() {
     let start = esi.find("<Objects>").unwrap();
     let objects = &esi[start..];
     for entry in slave::objects::ENTRIES.iter().chain(DriveObjects::ENTRIES) {
-        assert!(objects.contains(&format!("<Index>#x{:04X}</Index>", entry.index)), "{:#06x}", entry.index);
+        assert!(
+            objects.contains(&format!("<Index>#x{:04X}</Index>", entry.index)),
+            "{:#06x}",
+            entry.index
+        );
     }
     for expected in [
         "<Id>#x0A88</Id>",
@@ -182,7 +200,10 @@ fn every_mapped_object_may_be_mapped() {
     ] {
         for mapping in pdos.iter().flat_map(|pdo| pdo.entries) {
             let entry = DriveObjects::ENTRIES.iter().find(|entry| entry.mapping() == *mapping).unwrap();
-            assert!(mappable(entry.access) && entry.data_type != DataType::VisibleString, "{mapping:#010x}");
+            assert!(
+                mappable(entry.access) && entry.data_type != DataType::VisibleString,
+                "{mapping:#010x}"
+            );
         }
     }
 }
