@@ -17,6 +17,10 @@ pub(crate) struct Servers {
 }
 
 /// What a message is answered with.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "it lives on the stack until it is queued, and there is no allocator to box it"
+)]
 pub(crate) enum Answer<'s> {
     /// Nothing: it was an abort.
     None,
