@@ -157,9 +157,9 @@ impl Mailbox {
         Some(message)
     }
 
-    /// Puts the next message into the chip if the last was fetched: an answer, or when none waits and none is under way, an emergency.
-    pub(crate) fn send(&mut self, esc: &mut impl EscAccess, under_way: bool) {
-        if (!self.queue.is_empty() || !under_way && !self.emergencies.is_empty()) && self.is_free(esc) {
+    /// Puts the next message into the chip if the last was fetched: an answer, or when none waits, an emergency.
+    pub(crate) fn send(&mut self, esc: &mut impl EscAccess) {
+        if (!self.queue.is_empty() || !self.emergencies.is_empty()) && self.is_free(esc) {
             self.load_next(esc);
         }
     }

@@ -296,6 +296,6 @@ impl Slave {
         {
             self.mailbox.inform(&request, &next);
         }
-        self.mailbox.send(esc, self.servers.information.has_more());
+        self.mailbox.send(esc);
     }
 }
