@@ -5,15 +5,12 @@ type Difference = (&'static [u16], &'static str, &'static str, &'static str, &'s
 
 const MANUAL_NAME: &str = "the manual of the USR2556E writes the name so";
 const MANUAL_TYPE: &str = "the manual of the USR2556E gives the object this type";
-const MAPPABLE: &str = "the manual maps it in both directions";
-const SAVED: &str = "the manual maps it in both directions, and 0x1010 saves it";
-const READ_ONLY: &str = "not writable by the manual: a value of a closed loop, or one the drive measures";
+const MAPPABLE: &str = "the family's ESI file maps it in both directions";
+const SAVED: &str = "the family's ESI file maps it in both directions, and 0x1010 saves it";
+const READ_ONLY: &str = "reserved, which users must not set (manual 2.2.18), or set by the drive itself";
 
 /// Objects that the real unit's firmware does not have yet.
-pub const ADDED: &[(u16, &str)] = &[
-    (0x204B, "added by the manual's version 2.0.4"),
-    (0x204C, "added by the manual's version 2.0.4"),
-];
+pub const ADDED: &[(u16, &str)] = &[(0x204B, "in the manual since V203"), (0x204C, "in the manual since V203")];
 
 /// All differences; every row is needed.
 pub const DIFFERENCES: &[Difference] = &[
@@ -36,7 +33,13 @@ pub const DIFFERENCES: &[Difference] = &[
         SAVED,
     ),
     (&[0x200C, 0x2150, 0x2151], "access", "003F", "01FF", SAVED),
-    (&[0x200C], "access", "0007", "0087", "the manual maps it into TxPDOs"),
+    (
+        &[0x200C],
+        "access",
+        "0007",
+        "0087",
+        "the family's ESI file maps it, and what the drive identifies is an input of the master",
+    ),
     (
         &[
             0x2010, 0x6040, 0x605A, 0x605B, 0x605C, 0x605E, 0x6060, 0x607A, 0x607C, 0x6081, 0x6083, 0x6084, 0x6085, 0x6098, 0x609A, 0x60B8,
@@ -60,7 +63,7 @@ pub const DIFFERENCES: &[Difference] = &[
         "access",
         "0047",
         "0087",
-        "what the drive measures is an input of the master: TxPDO, not RxPDO",
+        "the family's ESI file maps it into TxPDOs, not into RxPDOs",
     ),
     (&[0x6081, 0x6083, 0x6084, 0x6085], "type", "0007", "0004", MANUAL_TYPE),
     (&[0x6098], "type", "0006", "0002", MANUAL_TYPE),
