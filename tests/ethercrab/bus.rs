@@ -35,6 +35,33 @@ fn scan_finds_each_drive_with_its_identity() {
 }
 
 #[test]
+fn a_drive_identifies_itself_by_its_alias_while_the_master_asks() {
+    let mut config = DriveConfig::numbered(0);
+    config.eeprom = Some(device::sii::image(1, 1001));
+    Rig::with([config]).in_preop(async |main, _, group| {
+        let drive = group.subdevice(main, 0).unwrap();
+        for (control, status, code) in [(0x22_u16, 0x22_u16, 1001_u16), (0x02, 0x02, 0)] {
+            drive.register_write(RegisterAddress::AlControl, control).await.unwrap();
+            assert_eq!(drive.register_read(RegisterAddress::AlStatus).await, Ok(status));
+            assert_eq!(drive.register_read(RegisterAddress::AlStatusCode).await, Ok(code));
+        }
+    });
+}
+
+#[test]
+fn run_and_err_led_are_read_from_their_registers() {
+    const LEDS: u16 = 0x0138;
+    Rig::new(1).in_preop(async |main, _, group| {
+        let drive = group.subdevice(main, 0).unwrap();
+        assert_eq!(drive.register_read(LEDS).await, Ok([0x1D_u8, 0x10]), "PREOP blinks");
+        drive.register_write(RegisterAddress::AlControl, 0x08_u16).await.unwrap();
+        assert_eq!(drive.register_read(LEDS).await, Ok([0x1D_u8, 0x1D]), "OP is refused, ERR blinks");
+        drive.register_write(RegisterAddress::AlControl, 0x12_u16).await.unwrap();
+        assert_eq!(drive.register_read(LEDS).await, Ok([0x1D_u8, 0x10]));
+    });
+}
+
+#[test]
 fn propagation_delays_grow_evenly_along_the_line() {
     Rig::new(4).in_preop(async |main, _, group| {
         let delays: Vec<u32> = group.iter(main).map(|drive| drive.propagation_delay()).collect();

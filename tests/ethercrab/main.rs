@@ -1,8 +1,12 @@
 //! The `ethercrab` master against the virtual drive, in memory and in lock-step.
 
 mod bus;
+mod coe;
+mod differences;
 mod homing;
+mod information;
 mod mapping;
 mod motion;
 mod objects;
+mod raw_mailbox;
 mod topology;

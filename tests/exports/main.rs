@@ -132,8 +132,12 @@ fn the_sii_names_mailboxes_sync_managers_and_fmmus_alike() {
     let general = &image.categories()[&category::GENERAL];
     assert_eq!(general.len(), 32);
     assert_eq!(
-        general[5], 0x0D,
-        "SDO, PDO assignment, PDO configuration; no SDO information and no complete access yet"
+        general[5], 0x2F,
+        "SDO, SDO information, PDO assignment, PDO configuration, complete access"
+    );
+    assert_eq!(
+        general[11], 0x0C,
+        "mailbox messages are repeated, the device identifies itself in the AL status code"
     );
 }
 

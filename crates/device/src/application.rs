@@ -2,6 +2,7 @@
 
 use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects};
 use drive::{Drive, DriveObjects};
+use wire::coe::Emergency;
 
 /// The drive's objects, guarded by the drive's present state.
 pub(crate) struct Application<'a> {
@@ -27,6 +28,15 @@ impl Objects for Application<'_> {
 impl slave::Application for Application<'_> {
     fn error_register(&self) -> u8 {
         error_register(self.objects.error_code)
+    }
+
+    fn emergency(&self) -> Emergency {
+        let [low, high] = self.objects.alarm_code.to_le_bytes();
+        Emergency {
+            code: self.objects.error_code,
+            register: self.error_register(),
+            vendor: [low, high, 0, 0, 0],
+        }
     }
 
     fn store_parameters(&mut self) -> Result<(), AbortCode> {

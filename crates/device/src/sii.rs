@@ -15,10 +15,11 @@ const PDI_AND_ESC_CONFIGURATION: u16 = 0x0C05;
 const PDI_CONFIGURATION: u16 = 0xEE03;
 /// 10 us in units of 10 ns.
 const SYNC_PULSE_LENGTH: u16 = 1000;
-/// CoE details: SDO (bit 0), PDO assignment (bit 2), PDO configuration (bit 3).
-pub const COE_DETAILS: u8 = 0x01 | 0x04 | 0x08;
-/// General flags: the data link layer of the mailbox repeats lost messages (bit 2).
-const GENERAL_FLAGS: u8 = 0x04;
+/// CoE details: SDO (bit 0), SDO information (bit 1), PDO assignment (bit 2), PDO configuration (bit 3), complete access (bit 5).
+pub const COE_DETAILS: u8 = 0x01 | 0x02 | 0x04 | 0x08 | 0x20;
+/// General flags: the data link layer of the mailbox repeats lost messages (bit 2), the device identifies itself in the AL status code
+/// (bit 3).
+const GENERAL_FLAGS: u8 = 0x04 | 0x08;
 /// Ports 0 and 1 are MII, one nibble each.
 const PHYSICAL_PORTS: u16 = 0x0011;
 

@@ -82,6 +82,9 @@ impl Access {
     /// Saved by 0x1010.
     pub const SAVED: Self = Self(0x0100);
 
+    /// Usable as a start-up parameter.
+    pub const SETTING: Self = Self(0x0200);
+
     const READ: u16 = 0x0007;
     const WRITE: u16 = 0x0038;
     const WRITE_PREOP: u16 = 0x0008;
@@ -129,6 +132,11 @@ impl Access {
     /// Whether 0x1010 saves the entry.
     pub const fn is_saved(self) -> bool {
         self.0 & Self::SAVED.0 != 0
+    }
+
+    /// Whether the entry is meant as a start-up parameter.
+    pub const fn is_setting(self) -> bool {
+        self.0 & Self::SETTING.0 != 0
     }
 }
 

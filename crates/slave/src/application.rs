@@ -1,11 +1,16 @@
 //! What the stack asks of the device.
 
 use dictionary::{AbortCode, Objects};
+use wire::coe::Emergency;
 
 /// A device's objects from 0x2000 on, and what the stack's own objects need from the device.
 pub trait Application: Objects {
     /// The error register, 0x1001 (CiA 301).
     fn error_register(&self) -> u8;
+
+    /// The fault that is present, as an emergency message would tell it; code 0 while there is none. When the code changes, the master is
+    /// told.
+    fn emergency(&self) -> Emergency;
 
     /// Saves all parameters: 1 was written to 0x1010:01.
     ///

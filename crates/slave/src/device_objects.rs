@@ -15,7 +15,7 @@ use crate::objects::{ENTRIES, FixedObjects};
 pub(crate) type Bytes = Vec<u8, MAX_OBJECT_SIZE>;
 
 /// The first index that is the application's.
-const APPLICATION: u16 = 0x2000;
+pub(crate) const APPLICATION: u16 = 0x2000;
 
 /// What stands at an index and sub-index.
 #[derive(Clone, Copy, Debug)]

@@ -56,7 +56,11 @@ mod tests {
     #[test]
     fn a_pending_error_waits_for_its_acknowledge_or_init() {
         for state in AlState::ALL {
-            let status = AlStatus { state, error: true };
+            let status = AlStatus {
+                state,
+                error: true,
+                ..AlStatus::default()
+            };
             for code in 0..16 {
                 let decision = decide(status, request(code));
                 assert_eq!(decision == Decision::Ignore, code != 1, "{state:?} {code}");
@@ -68,7 +72,10 @@ mod tests {
     #[test]
     fn without_a_pending_error_the_acknowledge_bit_means_nothing() {
         for state in AlState::ALL {
-            let status = AlStatus { state, error: false };
+            let status = AlStatus {
+                state,
+                ..AlStatus::default()
+            };
             for code in 0..16 {
                 assert_eq!(decide(status, request(code)), decide(status, request(code | 0x10)));
             }
@@ -98,7 +105,10 @@ mod tests {
                 } else {
                     Decision::Refuse(AlStatusCode::InvalidStateChange)
                 };
-                let status = AlStatus { state: from, error: false };
+                let status = AlStatus {
+                    state: from,
+                    ..AlStatus::default()
+                };
                 assert_eq!(decide(status, request(to.code().into())), expected, "{from:?} -> {to:?}");
             }
         }
@@ -107,7 +117,7 @@ mod tests {
     #[test]
     fn codes_that_are_no_state_are_refused() {
         for code in [0, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15] {
-            let status = AlStatus { state: Init, error: false };
+            let status = AlStatus::default();
             assert_eq!(decide(status, request(code)), Decision::Refuse(AlStatusCode::UnknownState));
         }
     }

@@ -7,14 +7,19 @@
 //! | [`application`] | [`Application`]: what the stack asks of the device |
 //! | [`esm`] | the EtherCAT state machine as a total function of status and request |
 //! | `transitions` | the checked steps of each change of state |
+//! | `indicators` | RUN and ERR LED |
 //! | `supervision` | what makes the stack leave a state by itself |
 //! | `sync_managers` | sync managers 0 to 3 and what is required of them |
 //! | `mailbox` | receiving, answering, counting and repeating mailbox messages |
+//! | `emergency` | emergency messages on their way to the master |
 //! | `coe` | which CoE service a message is for |
 //! | `sdo` | the SDO server: uploads and downloads, expedited, normal and segmented |
+//! | `information` | SDO information: which objects there are, and what is known of them |
 //! | [`objects`] | the table of objects 0x1000 to 0x1FFF |
 //! | `communication_area` | the values of these objects |
 //! | `device_objects` | both dictionaries as one, with access rights by state |
+//! | `complete_access` | all entries of an object in one transfer |
+//! | `bits` | values at any bit of an image |
 //! | `sync_parameters` | 0x1C32 and 0x1C33 |
 //! | `pdo` | PDO mapping and assignment, and the process image made from them |
 //! | `process_data` | sync manager 2 to objects, objects to sync manager 3 |
@@ -28,11 +33,16 @@
 extern crate std;
 
 pub mod application;
+mod bits;
 mod coe;
 mod communication_area;
+mod complete_access;
 pub mod configuration;
 mod device_objects;
+mod emergency;
 pub mod esm;
+mod indicators;
+mod information;
 mod mailbox;
 pub mod objects;
 mod pdo;

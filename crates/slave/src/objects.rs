@@ -16,6 +16,10 @@ pub const MAX_MAPPING_ENTRIES: usize = 12;
 pub(crate) const RX_MAPPING: u16 = 0x1600;
 /// The first mapping object of the TxPDOs.
 pub(crate) const TX_MAPPING: u16 = 0x1A00;
+/// Identity.
+const IDENTITY: u16 = 0x1018;
+/// What the sync managers are for.
+const SYNC_MANAGER_TYPES: u16 = 0x1C00;
 /// The assignment of RxPDOs to sync manager 2.
 pub(crate) const RX_ASSIGNMENT: u16 = 0x1C12;
 /// The assignment of TxPDOs to sync manager 3.
@@ -67,8 +71,11 @@ object_dictionary! {
     }
 }
 
+/// The name of sub-index 0 of an object with sub-indices.
+pub const COUNT_NAME: &str = "SubIndex 000";
+
 const SUB_NAMES: [&str; MAX_MAPPING_ENTRIES + 1] = [
-    "SubIndex 000",
+    COUNT_NAME,
     "SubIndex 001",
     "SubIndex 002",
     "SubIndex 003",
@@ -217,6 +224,52 @@ const fn entry(
         unit: "",
         doc,
     }
+}
+
+/// What kind of object a set of entries makes up (CiA 301, object codes).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum ObjectCode {
+    /// One value.
+    Variable = 7,
+    /// Values of one type.
+    Array = 8,
+    /// Values of their own types.
+    Record = 9,
+}
+
+/// Object code and data type of an object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Kind {
+    /// The object code.
+    pub code: ObjectCode,
+    /// The number of the data type: that of the value, of an array's elements, or of a record's structure.
+    pub data_type: u16,
+}
+
+/// Data types of records (ETG.1000.6, PDO mapping and identity; ETG.1020, synchronisation parameters).
+mod record {
+    pub(super) const PDO_MAPPING: u16 = 0x0021;
+    pub(super) const IDENTITY: u16 = 0x0023;
+    pub(super) const SYNC_PARAMETERS: u16 = 0x0029;
+    pub(super) const RECORD: u16 = 0x002A;
+}
+
+/// The kind of object that these entries, all of one object, make up.
+///
+/// # Panics
+/// If there are none.
+pub fn kind(entries: &[Entry]) -> Kind {
+    let last = &entries[entries.len() - 1];
+    let (code, data_type) = match last.index {
+        _ if !last.in_record() => (ObjectCode::Variable, last.data_type.code()),
+        SYNC_MANAGER_TYPES | RX_ASSIGNMENT | TX_ASSIGNMENT => (ObjectCode::Array, last.data_type.code()),
+        RX_MAPPING..SYNC_MANAGER_TYPES => (ObjectCode::Record, record::PDO_MAPPING),
+        IDENTITY => (ObjectCode::Record, record::IDENTITY),
+        OUTPUT_PARAMETERS | INPUT_PARAMETERS => (ObjectCode::Record, record::SYNC_PARAMETERS),
+        _ => (ObjectCode::Record, record::RECORD),
+    };
+    Kind { code, data_type }
 }
 
 /// Insertion sort, at compile time.

@@ -1,19 +1,18 @@
 //! What the stack does with the chip's events, and in which order.
 
-use dictionary::AbortCode;
+use dictionary::{AbortCode, Entry};
 use wire::al::{AlState, AlStatus, AlStatusCode};
 use wire::coe::Address;
 use wire::mailbox::{MailboxError, Protocol};
 use wire::{AlEvents, EscAccess, Nanos, register};
 
 use crate::application::Application;
-use crate::coe;
+use crate::coe::{Answer, Servers};
 use crate::communication_area::CommunicationArea;
 use crate::configuration::{Configuration, MAX_MAILBOX};
 use crate::device_objects::{self, DeviceObjects};
 use crate::mailbox::{Mailbox, REQUEST_EVENT};
 use crate::process_data::ProcessData;
-use crate::sdo::SdoServer;
 use crate::sync_managers::{INPUTS, OUTPUTS};
 use crate::synchronization::{CycleMeter, Mode, Sequence};
 
@@ -28,7 +27,7 @@ pub struct Slave {
     pub(crate) status: AlStatus,
     pub(crate) code: AlStatusCode,
     pub(crate) mailbox: Mailbox,
-    pub(crate) sdo: SdoServer,
+    pub(crate) servers: Servers,
     pub(crate) process: ProcessData,
     pub(crate) mode: Mode,
     pub(crate) sequence: Sequence,
@@ -37,6 +36,8 @@ pub struct Slave {
     pub(crate) last_sync0: Option<Nanos>,
     /// Since when the master waits for OP.
     pub(crate) pending_op: Option<Nanos>,
+    /// Whether the master asks for the device's identification.
+    pub(crate) identifies: bool,
     /// The events that matter in the present state.
     pub(crate) interest: u32,
     inputs_due: bool,
@@ -78,13 +79,14 @@ impl Slave {
             status: AlStatus::default(),
             code: AlStatusCode::None,
             mailbox: Mailbox::default(),
-            sdo: SdoServer::default(),
+            servers: Servers::default(),
             process: ProcessData::new(),
             mode: Mode::FreeRun,
             sequence: Sequence::default(),
             meter: CycleMeter::default(),
             last_sync0: None,
             pending_op: None,
+            identifies: false,
             interest: AlEvents::AL_CONTROL | AlEvents::SM_ACTIVATION,
             inputs_due: false,
             inputs_at: Nanos(0),
@@ -135,7 +137,10 @@ impl Slave {
         if self.status.state >= AlState::SafeOp {
             sync = self.supervise(esc, application, now).or(sync);
         }
-        self.mailbox.send(esc);
+        if self.status.state != AlState::Init {
+            self.mailbox.observe(application.emergency());
+            self.send(esc, application.entries());
+        }
         Report {
             state: self.status.state,
             error: self.status.error,
@@ -264,15 +269,33 @@ impl Slave {
             state: self.status.state,
             now,
         };
+        // A master that asks for something else does not wait for the rest of a list.
+        self.servers.information.reset();
         let outcome = match body {
-            Ok(body) if header.protocol == Protocol::COE => coe::serve(body, &mut self.sdo, &mut objects, self.mailbox.capacity()),
+            Ok(body) if header.protocol == Protocol::COE => {
+                self.servers
+                    .serve(body, &header, &mut objects, &self.configuration, self.mailbox.capacity())
+            }
             Ok(_) => Err(MailboxError::UnsupportedProtocol),
             Err(error) => Err(error),
         };
         match outcome {
-            Ok(Some(response)) => self.mailbox.respond(&header, &response),
-            Ok(None) => {}
+            Ok(Answer::Sdo(response)) => self.mailbox.respond(&header, &response),
+            Ok(Answer::Information(information)) => self.mailbox.inform(&header, &information),
+            Ok(Answer::None) => {}
             Err(error) => self.mailbox.refuse(&header, error),
         }
+    }
+
+    /// Puts the next message into the mailbox to the master: answers, then the rest of a list, then emergencies.
+    fn send(&mut self, esc: &mut impl EscAccess, application: &'static [Entry]) {
+        let information = &mut self.servers.information;
+        if information.has_more()
+            && self.mailbox.is_idle(esc)
+            && let Some((request, next)) = information.next(application, self.mailbox.capacity())
+        {
+            self.mailbox.inform(&request, &next);
+        }
+        self.mailbox.send(esc);
     }
 }

@@ -5,6 +5,7 @@ use wire::register;
 use wire::{EscAccess, Nanos};
 
 use crate::application::Application;
+use crate::indicators::Origin;
 use crate::stack::{Slave, Sync};
 use crate::sync_managers;
 use crate::synchronization::Mode;
@@ -22,11 +23,11 @@ impl Slave {
             return;
         }
         if let Err((state, code)) = self.check_unchanged(&all) {
-            return self.give_up(esc, state, code);
+            return self.give_up(esc, state, code, Origin::Device);
         }
         if self.mailbox.was_moved(&all) {
             self.mailbox.start(esc, &all);
-            self.sdo.reset();
+            self.servers.reset();
         }
         self.mailbox.follow_repeat(esc, all[sync_managers::MAILBOX_IN].repeat_requested());
     }
@@ -35,7 +36,7 @@ impl Slave {
     pub(crate) fn watchdog_expired(&mut self, esc: &mut impl EscAccess) {
         esc.read_u16(register::PROCESS_WATCHDOG_STATUS);
         if self.process.triggers_watchdog() {
-            self.give_up(esc, AlState::SafeOp, AlStatusCode::SyncManagerWatchdog);
+            self.give_up(esc, AlState::SafeOp, AlStatusCode::SyncManagerWatchdog, Origin::Device);
         }
     }
 
@@ -45,7 +46,7 @@ impl Slave {
         self.area.inputs.missed = self.area.outputs.missed;
         if self.sequence.is_broken(self.area.sync_error_limit()) {
             (self.area.outputs.error, self.area.inputs.error) = (true, true);
-            self.give_up(esc, AlState::SafeOp, AlStatusCode::SynchronizationError);
+            self.give_up(esc, AlState::SafeOp, AlStatusCode::SynchronizationError, Origin::Device);
         }
     }
 
@@ -53,7 +54,7 @@ impl Slave {
     pub(crate) fn supervise(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Option<Sync> {
         match (self.status.state, self.mode, self.pending_op) {
             (AlState::Op, Mode::Sync0 { cycle }, _) if !self.sync0_runs(cycle, now) => {
-                self.give_up(esc, AlState::SafeOp, AlStatusCode::FatalSyncError);
+                self.give_up(esc, AlState::SafeOp, AlStatusCode::FatalSyncError, Origin::Device);
                 None
             }
             (AlState::SafeOp, _, Some(since)) => self.wait_for_op(esc, application, since, now),
@@ -80,7 +81,7 @@ impl Slave {
             } else {
                 AlStatusCode::NoSyncSignal
             };
-            self.set_status(esc, AlState::SafeOp, code);
+            self.set_status(esc, AlState::SafeOp, code, Origin::Request);
         }
         None
     }
@@ -90,12 +91,12 @@ impl Slave {
         self.pending_op = None;
         self.sequence.start(now);
         (self.area.outputs.missed, self.area.inputs.missed) = (0, 0);
-        self.set_status(esc, AlState::Op, AlStatusCode::None);
+        self.set_status(esc, AlState::Op, AlStatusCode::None, Origin::Request);
         self.process.has_outputs().then(|| self.take_effect(application))
     }
 
-    /// Leaves a state by itself: outputs are not taken any more until the master has acknowledged.
-    pub(crate) fn give_up(&mut self, esc: &mut impl EscAccess, state: AlState, code: AlStatusCode) {
+    /// Leaves a state for a lower one: outputs are not taken any more until the master has acknowledged.
+    pub(crate) fn give_up(&mut self, esc: &mut impl EscAccess, state: AlState, code: AlStatusCode, origin: Origin) {
         self.pending_op = None;
         if self.status.state >= AlState::SafeOp {
             self.process.deactivate(esc);
@@ -103,7 +104,7 @@ impl Slave {
         if state == AlState::Init {
             self.stop_mailbox();
         }
-        self.set_status(esc, state, code);
+        self.set_status(esc, state, code, origin);
     }
 
     /// Whether SYNC0 came within two cycles.

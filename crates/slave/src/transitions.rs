@@ -6,6 +6,7 @@ use wire::{AlEvents, EscAccess, Nanos};
 
 use crate::application::Application;
 use crate::esm::{self, Decision};
+use crate::indicators::{self, Origin};
 use crate::mailbox::REQUEST_EVENT;
 use crate::pdo::Direction;
 use crate::stack::Slave;
@@ -18,10 +19,12 @@ type Refusal = (AlState, AlStatusCode);
 impl Slave {
     /// Answers what the master wrote to AL control.
     pub(crate) fn al_control(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) {
-        let decision = esm::decide(self.status, AlControl(esc.read_u16(register::AL_CONTROL)));
+        let control = AlControl(esc.read_u16(register::AL_CONTROL));
+        let decision = esm::decide(self.status, control);
         if decision == Decision::Ignore {
             return;
         }
+        self.identifies = control.requests_identification();
         if self.status.error {
             self.acknowledge(esc);
         }
@@ -34,9 +37,9 @@ impl Slave {
             Decision::Change(target) => self.change(esc, application, target, now).map(|()| target),
         };
         match outcome {
-            Ok(state) => self.set_status(esc, state, AlStatusCode::None),
-            Err((state, code)) if state < self.status.state => self.give_up(esc, state, code),
-            Err((state, code)) => self.set_status(esc, state, code),
+            Ok(state) => self.set_status(esc, state, AlStatusCode::None, Origin::Request),
+            Err((state, code)) if state < self.status.state => self.give_up(esc, state, code, Origin::Request),
+            Err((state, code)) => self.set_status(esc, state, code, Origin::Request),
         }
     }
 
@@ -66,7 +69,7 @@ impl Slave {
         let all = sync_managers::read(esc);
         sync_managers::check_mailboxes(&all, &self.configuration.mailbox).map_err(|code| (AlState::Init, code))?;
         self.mailbox.start(esc, &all);
-        self.sdo.reset();
+        self.servers.reset();
         // A choice of synchronisation holds for the master that made it, not for the next one.
         (self.area.outputs.chosen, self.area.inputs.chosen) = (false, false);
         Ok(())
@@ -75,7 +78,7 @@ impl Slave {
     /// To INIT.
     pub(crate) fn stop_mailbox(&mut self) {
         self.mailbox.stop();
-        self.sdo.reset();
+        self.servers.reset();
     }
 
     /// PREOP to SAFEOP.
@@ -142,15 +145,21 @@ impl Slave {
         }
     }
 
-    /// Shows a state and a code to the master: the code first, for masters read both at once.
-    pub(crate) fn set_status(&mut self, esc: &mut impl EscAccess, state: AlState, code: AlStatusCode) {
-        self.status = AlStatus {
-            state,
-            error: code != AlStatusCode::None,
-        };
+    /// Shows a state and a code to the master: the code first, for masters read both at once. Without an error, the code's place is that of
+    /// the device's identification while the master asks for it.
+    pub(crate) fn set_status(&mut self, esc: &mut impl EscAccess, state: AlState, code: AlStatusCode, origin: Origin) {
+        let error = code != AlStatusCode::None;
+        let identified = self.identifies && !error;
+        self.status = AlStatus { state, error, identified };
         self.code = code;
         self.interest = interest(state);
-        esc.write_u16(register::AL_STATUS_CODE, code.code());
+        let shown = if identified {
+            esc.read_u16(register::STATION_ALIAS)
+        } else {
+            code.code()
+        };
+        esc.write(register::RUN_LED, &[indicators::run(state), indicators::error(code, origin)]);
+        esc.write_u16(register::AL_STATUS_CODE, shown);
         esc.write_u16(register::AL_STATUS, self.status.bits());
     }
 }

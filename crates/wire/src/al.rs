@@ -69,21 +69,28 @@ impl AlControl {
     pub const fn acknowledges_error(self) -> bool {
         self.0 & 0x10 != 0
     }
+
+    /// Whether the device's identification is to be shown in place of the AL status code.
+    pub const fn requests_identification(self) -> bool {
+        self.0 & 0x20 != 0
+    }
 }
 
-/// AL status (0x0130): state and error indication.
+/// AL status (0x0130): state, error indication and device identification.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AlStatus {
     /// The state the device is in.
     pub state: AlState,
     /// Whether the AL status code (0x0134) holds an error that was not acknowledged yet.
     pub error: bool,
+    /// Whether the AL status code (0x0134) holds the device's identification.
+    pub identified: bool,
 }
 
 impl AlStatus {
     /// The register's value.
     pub const fn bits(self) -> u16 {
-        self.state.code() as u16 | if self.error { 0x10 } else { 0 }
+        self.state.code() as u16 | (self.error as u16) << 4 | (self.identified as u16) << 5
     }
 }
 

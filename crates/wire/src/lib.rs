@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`access`] | [`EscAccess`]: how a slave stack reaches its slave controller |
 //! | [`al`] | states, control, status and status codes of the application layer |
-//! | [`coe`] | the CoE header and SDO services |
+//! | [`coe`] | the CoE header, SDO services, SDO information and emergencies |
 //! | [`frame`] | Ethernet frames, the EtherCAT header, datagrams and their commands |
 //! | [`mailbox`] | the mailbox header and mailbox errors |
 //! | [`register`] | addresses and bits of the slave controller's registers |

@@ -4,6 +4,7 @@ use dictionary::MAX_VALUE_SIZE;
 use heapless::Vec;
 
 use super::mapping::Target;
+use crate::bits;
 use crate::configuration::MAX_PROCESS_DATA;
 use crate::objects::{MAX_MAPPING_ENTRIES, PDOS_PER_DIRECTION};
 
@@ -60,7 +61,7 @@ impl Image {
             if let Some(range) = field.bytes() {
                 store(field.target, &bytes[range]);
             } else {
-                let (value, size) = extract(bytes, field);
+                let (value, size) = bits::extract(bytes, field.offset.into(), field.bits);
                 store(field.target, &value[..size]);
             }
         }
@@ -75,36 +76,10 @@ impl Image {
                 let size = range.len();
                 bytes[range].copy_from_slice(&value[..size]);
             } else {
-                insert(bytes, field, value);
+                bits::insert(bytes, field.offset.into(), field.bits, value);
             }
         }
     }
-}
-
-/// The bytes a field touches, and the place and mask of its bits in them as one little-endian number.
-fn window(field: &Field) -> (core::ops::Range<usize>, u32, u128) {
-    let (first, end) = (usize::from(field.offset), usize::from(field.offset) + usize::from(field.bits));
-    (first / 8..end.div_ceil(8), (first % 8) as u32, (1_u128 << field.bits) - 1)
-}
-
-/// A field's value, and its size in bytes.
-fn extract(bytes: &[u8], field: &Field) -> ([u8; MAX_VALUE_SIZE], usize) {
-    let (range, shift, mask) = window(field);
-    let mut number = [0; 16];
-    number[..range.len()].copy_from_slice(&bytes[range]);
-    let value = (u128::from_le_bytes(number) >> shift) & mask;
-    ((value as u64).to_le_bytes(), usize::from(field.bits.div_ceil(8)))
-}
-
-/// Replaces a field's bits and leaves those around them.
-fn insert(bytes: &mut [u8], field: &Field, value: [u8; MAX_VALUE_SIZE]) {
-    let (range, shift, mask) = window(field);
-    let size = range.len();
-    let mut number = [0; 16];
-    number[..size].copy_from_slice(&bytes[range.clone()]);
-    let kept = u128::from_le_bytes(number) & !(mask << shift);
-    let merged = kept | (u128::from(u64::from_le_bytes(value)) & mask) << shift;
-    bytes[range].copy_from_slice(&merged.to_le_bytes()[..size]);
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! A value on its way from the master.
 
 use dictionary::AbortCode;
-use wire::coe::Address;
 
+use super::subject::Subject;
 use crate::device_objects::Bytes;
 
 /// A download whose size was announced: what has come of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Download {
-    address: Address,
+    subject: Subject,
     size: usize,
     data: Bytes,
     /// The toggle of the next segment.
@@ -20,9 +20,9 @@ impl Download {
     ///
     /// # Errors
     /// 0x06070010 if more came than announced, or more than any object has.
-    pub(crate) fn new(address: Address, size: usize, first: &[u8]) -> Result<Self, AbortCode> {
+    pub(super) fn new(subject: Subject, size: usize, first: &[u8]) -> Result<Self, AbortCode> {
         let mut download = Self {
-            address,
+            subject,
             size,
             data: Bytes::new(),
             toggle: false,
@@ -32,8 +32,8 @@ impl Download {
     }
 
     /// What is downloaded.
-    pub(crate) fn address(&self) -> Address {
-        self.address
+    pub(super) fn subject(&self) -> Subject {
+        self.subject
     }
 
     /// What has come.

@@ -4,16 +4,19 @@
 //! |---|---|
 //! | `upload` | a value on its way to the master |
 //! | `download` | a value on its way from the master |
+//! | `subject` | what a transfer is about: one entry, or an object's entries by complete access |
 
 mod download;
+mod subject;
 mod upload;
 
 use dictionary::AbortCode;
-use wire::coe::{Address, SdoRequest, SdoResponse};
+use wire::coe::{SdoRequest, SdoResponse};
 
 use crate::application::Application;
 use crate::device_objects::DeviceObjects;
 use download::Download;
+use subject::Subject;
 use upload::Upload;
 
 /// The transfer under way, if there is one.
@@ -44,24 +47,23 @@ impl SdoServer {
         objects: &mut DeviceObjects<'_, impl Application>,
         capacity: usize,
     ) -> Option<SdoResponse<'_>> {
-        let address = match request {
+        let subject = match request {
             SdoRequest::Abort => {
                 self.reset();
                 return None;
             }
-            SdoRequest::Download { address, .. } | SdoRequest::Upload { address, .. } | SdoRequest::Unknown(address) => address,
-            SdoRequest::DownloadSegment { .. } | SdoRequest::UploadSegment { .. } => self.address(),
+            SdoRequest::Download { address, complete, .. } | SdoRequest::Upload { address, complete } => Subject { address, complete },
+            SdoRequest::Unknown(address) => Subject { address, complete: false },
+            SdoRequest::DownloadSegment { .. } | SdoRequest::UploadSegment { .. } => self.subject(),
         };
         let outcome = match request {
-            SdoRequest::Download { complete: true, .. } | SdoRequest::Upload { complete: true, .. } => {
-                Err(AbortCode::CompleteAccessUnsupported)
-            }
-            SdoRequest::Download { size, data, .. } => self.download(address, size, data, objects),
+            SdoRequest::Download { size, data, .. } => self.download(subject, size, data, objects),
             SdoRequest::DownloadSegment { toggle, last, data } => self.download_segment(toggle, last, data, objects),
-            SdoRequest::Upload { .. } => self.upload(address, objects),
+            SdoRequest::Upload { .. } => self.upload(subject, objects),
             SdoRequest::UploadSegment { toggle } => self.check_upload_segment(toggle),
             SdoRequest::Abort | SdoRequest::Unknown(_) => Err(AbortCode::UnknownCommand),
         };
+        let address = subject.address;
         match outcome {
             Ok(Reply::Downloaded) => Some(SdoResponse::Downloaded(address)),
             Ok(Reply::SegmentTaken { toggle }) => Some(SdoResponse::SegmentTaken { toggle }),
@@ -77,16 +79,16 @@ impl SdoServer {
     }
 
     /// What the transfer under way is about.
-    fn address(&self) -> Address {
+    fn subject(&self) -> Subject {
         match &self.transfer {
-            Transfer::None => Address::default(),
-            Transfer::Upload(upload) => upload.address(),
-            Transfer::Download(download) => download.address(),
+            Transfer::None => Subject::default(),
+            Transfer::Upload(upload) => upload.subject(),
+            Transfer::Download(download) => download.subject(),
         }
     }
 
-    fn upload(&mut self, address: Address, objects: &DeviceObjects<'_, impl Application>) -> Result<Reply, AbortCode> {
-        self.transfer = Transfer::Upload(Upload::new(address, objects.upload(address)?));
+    fn upload(&mut self, subject: Subject, objects: &DeviceObjects<'_, impl Application>) -> Result<Reply, AbortCode> {
+        self.transfer = Transfer::Upload(Upload::new(subject, subject.upload(objects)?));
         Ok(Reply::Uploading)
     }
 
@@ -107,17 +109,17 @@ impl SdoServer {
     /// Begins a download, and ends it too when all data came with the request.
     fn download(
         &mut self,
-        address: Address,
+        subject: Subject,
         size: u32,
         data: &[u8],
         objects: &mut DeviceObjects<'_, impl Application>,
     ) -> Result<Reply, AbortCode> {
         self.reset();
         let size = usize::try_from(size).map_err(|_| AbortCode::LengthMismatch)?;
-        objects.check_download(address, size)?;
-        let download = Download::new(address, size, data)?;
+        subject.check_download(objects, size)?;
+        let download = Download::new(subject, size, data)?;
         if download.is_complete() {
-            objects.download(address, download.data())?;
+            subject.download(objects, download.data())?;
         } else {
             self.transfer = Transfer::Download(download);
         }
@@ -139,7 +141,7 @@ impl SdoServer {
             if !download.is_complete() {
                 return Err(AbortCode::LengthMismatch);
             }
-            objects.download(download.address(), download.data())?;
+            download.subject().download(objects, download.data())?;
             self.reset();
         }
         Ok(Reply::SegmentTaken { toggle })

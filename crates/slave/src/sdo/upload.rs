@@ -1,9 +1,10 @@
 //! A value on its way to the master.
 
 use dictionary::AbortCode;
-use wire::coe::{self, Address, SdoResponse};
+use wire::coe::{self, SdoResponse};
 use wire::mailbox;
 
+use super::subject::Subject;
 use crate::device_objects::Bytes;
 
 /// The longest value that is uploaded expedited.
@@ -16,7 +17,7 @@ const SEGMENT_OVERHEAD: usize = mailbox::HEADER_SIZE + coe::HEADER_SIZE + 1;
 /// An upload: the value as it was when the upload began, and how much of it is on its way.
 #[derive(Clone, Debug)]
 pub(crate) struct Upload {
-    address: Address,
+    subject: Subject,
     data: Bytes,
     sent: usize,
     /// `None` until the first response is out, then the toggle of the next segment.
@@ -25,9 +26,9 @@ pub(crate) struct Upload {
 
 impl Upload {
     /// Begins the upload of a value.
-    pub(crate) fn new(address: Address, data: Bytes) -> Self {
+    pub(super) fn new(subject: Subject, data: Bytes) -> Self {
         Self {
-            address,
+            subject,
             data,
             sent: 0,
             toggle: None,
@@ -35,8 +36,8 @@ impl Upload {
     }
 
     /// What is uploaded.
-    pub(crate) fn address(&self) -> Address {
-        self.address
+    pub(super) fn subject(&self) -> Subject {
+        self.subject
     }
 
     /// Whether a segment with this toggle may be asked for.
@@ -68,17 +69,19 @@ impl Upload {
 
     fn first(&mut self, capacity: usize) -> SdoResponse<'_> {
         self.toggle = Some(false);
-        let address = self.address;
+        let Subject { address, complete } = self.subject;
         let size = self.data.len();
         if (1..=EXPEDITED).contains(&size) {
             return SdoResponse::Expedited {
                 address,
+                complete,
                 data: take(&self.data, &mut self.sent, size),
             };
         }
         let data = take(&self.data, &mut self.sent, capacity.saturating_sub(FIRST_OVERHEAD));
         SdoResponse::Normal {
             address,
+            complete,
             size: size as u32,
             data,
         }

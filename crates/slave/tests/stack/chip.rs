@@ -57,6 +57,15 @@ impl Chip {
         self.events &= !AlEvents::sync_manager(index);
     }
 
+    /// The length of a sync manager's area.
+    pub fn length(&self, index: usize) -> u16 {
+        self.area(index).1 as u16
+    }
+
+    pub fn byte(&self, address: u16) -> u8 {
+        self.memory[usize::from(address)]
+    }
+
     pub fn status(&self) -> u16 {
         self.u16_at(reg::AL_STATUS)
     }

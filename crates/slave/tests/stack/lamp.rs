@@ -2,6 +2,7 @@
 
 use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects, object_dictionary};
 use slave::Application;
+use wire::coe::Emergency;
 
 object_dictionary! {
     /// Objects of every width and right.
@@ -20,6 +21,18 @@ object_dictionary! {
         0x2006:0 on: bool = false, RW | RX_PDO | TX_PDO, "On";
         /// Eight bytes.
         0x2007:0 wide: u64 = 0x1122_3344_5566_7788, RW | RX_PDO | TX_PDO, "Wide";
+        /// Writable everywhere.
+        0x2008:1 mixed_first: u16 = 1, RW | RX_PDO, in 0..=10, "First" of "Mixed";
+        /// Read only, between entries that are not.
+        0x2008:2 mixed_fixed: u8 = 2, RO, "Fixed" of "Mixed";
+        /// One bit.
+        0x2008:3 mixed_bit: bool = true, RW, "Bit" of "Mixed";
+        /// Starts in the middle of a byte, vetoed while locked.
+        0x2008:4 mixed_last: i16 = -3, RW, in -10..=10, "Last" of "Mixed";
+        /// Read only.
+        0x2009:1 sealed: u16 = 9, RO, "Seal" of "Sealed";
+        /// Writable in PREOP.
+        0x200A:1 preop_only: u16 = 5, RW_PREOP, "Address" of "Station";
         /// Read only.
         0x6041:0 status: u16 = 0x1234, RO | TX_PDO, "Statusword";
         /// Read only, not mappable.
@@ -34,6 +47,7 @@ pub struct Lamp {
     pub stored: u32,
     pub restored: u32,
     pub refusal: Option<AbortCode>,
+    pub fault: u16,
 }
 
 impl Lamp {
@@ -44,6 +58,7 @@ impl Lamp {
             stored: 0,
             restored: 0,
             refusal: None,
+            fault: 0,
         }
     }
 }
@@ -67,6 +82,14 @@ impl Application for Lamp {
         0x21
     }
 
+    fn emergency(&self) -> Emergency {
+        Emergency {
+            code: self.fault,
+            register: if self.fault == 0 { 0 } else { 0x21 },
+            vendor: [4, 0, 0, 0, 9],
+        }
+    }
+
     fn store_parameters(&mut self) -> Result<(), AbortCode> {
         self.stored += 1;
         self.refusal.map_or(Ok(()), Err)
@@ -78,7 +101,7 @@ impl Application for Lamp {
     }
 
     fn may_write(&self, slot: usize) -> Result<(), AbortCode> {
-        if self.locked && slot == slots::guarded {
+        if self.locked && [slots::guarded, slots::mixed_last].contains(&slot) {
             Err(AbortCode::DeviceState)
         } else {
             Ok(())

@@ -69,7 +69,7 @@ fn messages_that_cannot_be_served_are_answered_with_the_mailbox_error() {
         body.resize(length, 0);
         body
     };
-    let cases: [(&str, u8, Vec<u8>, u8); 17] = [
+    let cases: [(&str, u8, Vec<u8>, u8); 19] = [
         ("AoE", 1, coe(2, 10), 2),
         ("EoE", 2, coe(2, 10), 2),
         ("FoE", 4, coe(2, 10), 2),
@@ -86,7 +86,9 @@ fn messages_that_cannot_be_served_are_answered_with_the_mailbox_error() {
         ("TxPDO", 3, coe(4, 10), 4),
         ("RxPDO", 3, coe(5, 10), 4),
         ("RxPDO request", 3, coe(7, 10), 4),
-        ("SDO information", 3, coe(8, 8), 4),
+        ("no header of SDO information", 3, coe(8, 5), 6),
+        ("no list type", 3, [&coe(8, 2)[..], &[1, 0, 0, 0, 1]].concat(), 6),
+        ("no value info", 3, [&coe(8, 2)[..], &[5, 0, 0, 0, 0x18, 0x10, 1]].concat(), 6),
     ];
     for (what, protocol, body, code) in cases {
         let mut bench = Bench::preop();

@@ -1,6 +1,10 @@
 //! The stack over a chip made of memory, with a master that writes its registers.
 
 mod chip;
+mod complete_access;
+mod emergency;
+mod indicators;
+mod information;
 mod lamp;
 mod mailbox;
 mod pdo;

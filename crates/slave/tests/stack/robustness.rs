@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use wire::{AlEvents, register as reg};
 
-use crate::workbench::{Bench, MILLISECOND};
+use crate::workbench::{Bench, MILLISECOND, configuration};
 
 /// Something a master, or a disturbed bus, does.
 #[derive(Clone, Debug)]
@@ -16,6 +16,7 @@ enum Act {
     SyncManager(usize, u16, u16, u8, u8),
     Outputs(Vec<u8>),
     Events(u32),
+    Fault(u16),
     Advance(u64),
 }
 
@@ -30,12 +31,22 @@ fn sdo() -> impl Strategy<Value = Vec<u8>> {
         Just(0x1C12),
         Just(0x1C32),
         Just(0x2007),
+        Just(0x2008),
         Just(0x100A),
         0x1000..0x2010_u16
     ];
     (any::<u8>(), index, 0..14_u8, proptest::collection::vec(any::<u8>(), 4..60)).prop_map(|(command, index, sub, rest)| {
         let [low, high] = index.to_le_bytes();
         [&[0, 0x20, command, low, high, sub], &rest[..]].concat()
+    })
+}
+
+/// A request for SDO information that is more likely to mean something.
+fn information() -> impl Strategy<Value = Vec<u8>> {
+    let index = prop_oneof![0..7_u16, Just(0x1600), Just(0x1C32), Just(0x100A), 0x1000..0x2010_u16];
+    (0..8_u8, index, 0..34_u8, any::<u8>()).prop_map(|(opcode, index, sub, values)| {
+        let [low, high] = index.to_le_bytes();
+        vec![0, 0x80, opcode, 0, 0, 0, low, high, sub, values]
     })
 }
 
@@ -48,6 +59,7 @@ fn act() -> impl Strategy<Value = Act> {
     prop_oneof![
         bytes().prop_map(Act::Mailbox),
         sdo().prop_map(Act::Coe),
+        information().prop_map(Act::Coe),
         Just(Act::Fetch),
         any::<u16>().prop_map(Act::Request),
         prop_oneof![Just(1_u16), Just(2), Just(4), Just(8), Just(0x12), Just(0x14)].prop_map(Act::Request),
@@ -62,6 +74,7 @@ fn act() -> impl Strategy<Value = Act> {
             .prop_map(in_use),
         proptest::collection::vec(any::<u8>(), 3).prop_map(Act::Outputs),
         any::<u32>().prop_map(Act::Events),
+        (0..3_u16).prop_map(Act::Fault),
         prop_oneof![Just(0), Just(50_000), 0..10_000 * MILLISECOND, any::<u64>()].prop_map(Act::Advance),
     ]
 }
@@ -85,6 +98,7 @@ fn perform(bench: &mut Bench, act: Act) {
         }
         Act::SyncManager(index, start, length, control, activate) => bench.chip.set_sm(index, start, length, control, activate),
         Act::Outputs(data) => _ = bench.chip.outputs(&data),
+        Act::Fault(code) => bench.lamp.fault = code,
         Act::Events(events) => bench.chip.events |= events,
         Act::Advance(time) => bench.now = bench.now.wrapping_add(time),
     }
@@ -140,14 +154,24 @@ proptest! {
     }
 
     #[test]
-    fn any_mailbox_message_has_at_most_one_answer(messages in proptest::collection::vec(prop_oneof![bytes(), sdo()], 1..20)) {
-        let mut bench = Bench::preop();
-        for message in messages {
-            bench.chip.send(&message);
+    fn any_mailbox_message_has_one_answer_at_most_and_a_list_as_many_as_it_says(
+        mailbox in 36..=128_u16,
+        messages in proptest::collection::vec(prop_oneof![bytes(), sdo(), information()], 1..20),
+    ) {
+        let mut bench = Bench::preop_with(configuration(), mailbox);
+        for body in messages {
+            let header = [body.len() as u8, 0, 0, 0, 0, 3];
+            bench.chip.send(&[&header[..], &body].concat());
             bench.tick();
-            bench.chip.receive();
-            bench.tick();
-            prop_assert_eq!(bench.chip.receive(), None);
+            let mut left = 1;
+            while let Some(answer) = bench.chip.receive() {
+                prop_assert!(left > 0);
+                let of_a_list = answer[7] == 0x80 && answer[8] & 0x7F == 2;
+                left = if of_a_list { u16::from_le_bytes([answer[10], answer[11]]) } else { 0 };
+                prop_assert!(usize::from(u16::from_le_bytes([answer[0], answer[1]])) + 6 <= answer.len());
+                bench.tick();
+            }
+            prop_assert!(left < 2, "a list stops before its end");
         }
         prop_assert_eq!(bench.chip.status(), 2);
     }

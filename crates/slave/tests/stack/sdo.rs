@@ -3,7 +3,7 @@
 use dictionary::AbortCode;
 use slave::Configuration;
 
-use crate::workbench::{Bench, MILLISECOND, NAME, aborted, configuration};
+use crate::workbench::{Bench, MILLISECOND, NAME, aborted, configuration, segment};
 
 #[test]
 fn short_values_are_uploaded_expedited_with_their_size() {
@@ -92,17 +92,6 @@ fn segmented_downloads_take_any_split() {
             assert_eq!(bench.lamp.objects.wide.to_le_bytes(), value, "{first} + {second}");
         }
     }
-}
-
-/// A download segment: the shortest form for up to seven bytes.
-fn segment(command: u8, data: &[u8]) -> Vec<u8> {
-    let mut bytes = vec![command];
-    bytes.extend_from_slice(data);
-    if data.len() < 7 {
-        bytes[0] |= (7 - data.len() as u8) << 1;
-        bytes.resize(8, 0);
-    }
-    bytes
 }
 
 #[test]
@@ -207,14 +196,6 @@ fn downloads_end_with_the_standards_abort_codes_and_change_nothing() {
     }
     assert_eq!(bench.lamp.objects, before);
     assert_eq!((bench.lamp.stored, bench.lamp.restored), (0, 0));
-}
-
-#[test]
-fn complete_access_is_refused() {
-    let mut bench = Bench::preop();
-    for command in [0x50, 0x31, 0x33] {
-        assert_eq!(aborted(&bench.sdo(&[command, 0x12, 0x1C, 1, 2, 0, 0, 0])), Some(0x0601_0004));
-    }
 }
 
 #[test]

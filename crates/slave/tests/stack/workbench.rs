@@ -173,16 +173,26 @@ impl Bench {
 
     /// Reads an object the way SOEM does, segments included; the abort code if there is one.
     pub fn upload(&mut self, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
+        self.upload_by(0x40, index, sub)
+    }
+
+    /// The same by complete access.
+    pub fn upload_complete(&mut self, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
+        self.upload_by(0x50, index, sub)
+    }
+
+    fn upload_by(&mut self, command: u8, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
         let [low, high] = index.to_le_bytes();
-        let first = self.sdo(&[0x40, low, high, sub, 0, 0, 0, 0]);
+        let first = self.sdo(&[command, low, high, sub, 0, 0, 0, 0]);
         assert_eq!(first[1..4], [low, high, sub]);
         if let Some(code) = aborted(&first) {
             return Err(code);
         }
+        assert_eq!(first[0] & 0x10, command & 0x10, "complete access is answered as such");
         if first[0] & 2 != 0 {
             return Ok(first[4..8 - usize::from(first[0] >> 2 & 3)].to_vec());
         }
-        assert_eq!(first[0], 0x41);
+        assert_eq!(first[0] & !0x10, 0x41);
         let size = u32::from_le_bytes(first[4..8].try_into().unwrap()) as usize;
         let mut value = first[8..].to_vec();
         let mut toggle = 0;
@@ -198,28 +208,75 @@ impl Bench {
         Ok(value)
     }
 
-    /// Writes an object: up to four bytes expedited, more in one normal download.
+    /// Writes an object: up to four bytes expedited, more in a normal download, in segments if the mailbox is too short.
     pub fn download(&mut self, index: u16, sub: u8, data: &[u8]) -> Result<(), u32> {
+        self.download_by(0x20, index, sub, data)
+    }
+
+    /// The same by complete access.
+    pub fn download_complete(&mut self, index: u16, sub: u8, data: &[u8]) -> Result<(), u32> {
+        self.download_by(0x30, index, sub, data)
+    }
+
+    fn download_by(&mut self, command: u8, index: u16, sub: u8, data: &[u8]) -> Result<(), u32> {
+        let mailbox = usize::from(self.chip.length(0));
         let [low, high] = index.to_le_bytes();
-        let mut request = vec![0x21, low, high, sub];
+        let mut request = vec![command | 1, low, high, sub];
+        let mut rest = &[][..];
         if (1..=4).contains(&data.len()) {
-            request[0] = 0x23 | (4 - data.len() as u8) << 2;
+            request[0] |= 2 | (4 - data.len() as u8) << 2;
             request.extend_from_slice(data);
             request.resize(8, 0);
         } else {
+            let first;
+            (first, rest) = data.split_at(data.len().min(mailbox - 16));
             request.extend_from_slice(&(data.len() as u32).to_le_bytes());
-            request.extend_from_slice(data);
+            request.extend_from_slice(first);
         }
         let response = self.sdo(&request);
         assert_eq!(response[1..4], [low, high, sub]);
-        match aborted(&response) {
-            Some(code) => Err(code),
-            None => {
-                assert_eq!(response, [0x60, low, high, sub, 0, 0, 0, 0]);
-                Ok(())
-            }
+        if let Some(code) = aborted(&response) {
+            return Err(code);
         }
+        assert_eq!(response, [0x60, low, high, sub, 0, 0, 0, 0]);
+        let mut toggle = 0;
+        while !rest.is_empty() {
+            let (now, later) = rest.split_at(rest.len().min(mailbox - 9));
+            let response = self.sdo(&segment(toggle | u8::from(later.is_empty()), now));
+            if let Some(code) = aborted(&response) {
+                return Err(code);
+            }
+            assert_eq!(response[0], 0x20 | toggle);
+            rest = later;
+            toggle ^= 0x10;
+        }
+        Ok(())
     }
+
+    /// Sends a request for SDO information and returns the messages of the answer, from opcode on, without padding.
+    pub fn inform(&mut self, request: &[u8]) -> Vec<Vec<u8>> {
+        let mut messages = vec![];
+        let mut reply = self.exchange(3, &[&[0x00, 0x80], request].concat());
+        while let Some(message) = reply {
+            assert_eq!((message[5] & 0x0F, &message[6..8]), (3, &[0, 0x80][..]));
+            let length = usize::from(u16::from_le_bytes([message[0], message[1]]));
+            messages.push(message[8..6 + length].to_vec());
+            self.poll();
+            reply = self.chip.receive();
+        }
+        messages
+    }
+}
+
+/// A download segment: the shortest form for up to seven bytes.
+pub fn segment(command: u8, data: &[u8]) -> Vec<u8> {
+    let mut bytes = vec![command];
+    bytes.extend_from_slice(data);
+    if data.len() < 7 {
+        bytes[0] |= (7 - data.len() as u8) << 1;
+        bytes.resize(8, 0);
+    }
+    bytes
 }
 
 /// The abort code of a response that is an abort.

@@ -91,7 +91,8 @@ fn info(xml: &mut Xml) -> io::Result<()> {
                 text(xml, "RequestTimeout", "100")?;
                 text(xml, "ResponseTimeout", "2000")
             })
-        })
+        })?;
+        text(xml, "IdentificationReg134", "true")
     })
 }
 
@@ -157,10 +158,10 @@ fn mailbox(xml: &mut Xml) -> io::Result<()> {
         .with_attribute(("DataLinkLayer", "true"))
         .write_inner_content(|xml| {
             xml.create_element("CoE")
-                .with_attribute(("SdoInfo", "false"))
+                .with_attribute(("SdoInfo", "true"))
                 .with_attribute(("PdoAssign", "true"))
                 .with_attribute(("PdoConfig", "true"))
-                .with_attribute(("CompleteAccess", "false"))
+                .with_attribute(("CompleteAccess", "true"))
                 .with_attribute(("SegmentedSdo", "true"))
                 .write_empty()?;
             Ok(())

@@ -1,55 +1,11 @@
-//! CANopen over EtherCAT: the CoE header and SDO services (ETG.1000.6, CoE).
+//! SDO uploads and downloads (ETG.1000.6, SDO services).
 
-/// Bytes of the CoE header.
-pub const HEADER_SIZE: usize = 2;
+use super::Service;
+
 /// Bytes of an SDO request or response without data beyond its first eight bytes, and the least a segment has.
 pub const SDO_SIZE: usize = 8;
 /// Data bytes in the shortest segment.
 pub const SHORT_SEGMENT: usize = 7;
-
-/// The service in bits 15:12 of the CoE header.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Service {
-    /// Emergency message.
-    Emergency = 1,
-    /// SDO request; aborts of either side carry it too.
-    SdoRequest = 2,
-    /// SDO response.
-    SdoResponse = 3,
-    /// TxPDO by mailbox.
-    TxPdo = 4,
-    /// RxPDO by mailbox.
-    RxPdo = 5,
-    /// Request for a TxPDO.
-    TxPdoRequest = 6,
-    /// Request for an RxPDO.
-    RxPdoRequest = 7,
-    /// SDO information.
-    SdoInformation = 8,
-}
-
-impl Service {
-    /// The service with this code, if there is one.
-    pub const fn from_code(code: u8) -> Option<Self> {
-        Some(match code {
-            1 => Self::Emergency,
-            2 => Self::SdoRequest,
-            3 => Self::SdoResponse,
-            4 => Self::TxPdo,
-            5 => Self::RxPdo,
-            6 => Self::TxPdoRequest,
-            7 => Self::RxPdoRequest,
-            8 => Self::SdoInformation,
-            _ => return None,
-        })
-    }
-
-    /// The CoE header of a message of this service, number 0.
-    pub const fn header(self) -> [u8; HEADER_SIZE] {
-        [0, (self as u8) << 4]
-    }
-}
 
 /// What an SDO service is about.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -170,6 +126,8 @@ pub enum SdoResponse<'a> {
     Expedited {
         /// What was read.
         address: Address,
+        /// Whether all sub-indices from `address.sub` on were read.
+        complete: bool,
         /// The value.
         data: &'a [u8],
     },
@@ -177,6 +135,8 @@ pub enum SdoResponse<'a> {
     Normal {
         /// What is read.
         address: Address,
+        /// Whether all sub-indices from `address.sub` on are read.
+        complete: bool,
         /// Bytes of the whole value.
         size: u32,
         /// The first bytes.
@@ -214,17 +174,30 @@ impl SdoResponse<'_> {
         match *self {
             Self::Downloaded(address) => (initiate(0x60, address, [0; 4]), &[]),
             Self::SegmentTaken { toggle } => ([0x20 | u8::from(toggle) << 4, 0, 0, 0, 0, 0, 0, 0], &[]),
-            Self::Expedited { address, data } => {
+            Self::Expedited { address, complete, data } => {
                 let mut value = [0; 4];
                 let used = data.len().min(4);
                 value[..used].copy_from_slice(&data[..used]);
-                (initiate(0x43 | (4 - used as u8) << 2, address, value), &[])
+                (
+                    initiate(0x43 | (4 - used as u8) << 2 | complete_access(complete), address, value),
+                    &[],
+                )
             }
-            Self::Normal { address, size, data } => (initiate(0x41, address, size.to_le_bytes()), data),
+            Self::Normal {
+                address,
+                complete,
+                size,
+                data,
+            } => (initiate(0x41 | complete_access(complete), address, size.to_le_bytes()), data),
             Self::Segment { toggle, last, data } => segment(toggle, last, data),
             Self::Abort { address, code } => (initiate(0x80, address, code.to_le_bytes()), &[]),
         }
     }
+}
+
+/// Bit 4 of the command of an upload or download.
+const fn complete_access(complete: bool) -> u8 {
+    (complete as u8) << 4
 }
 
 /// A command with address and four more bytes.
@@ -307,9 +280,17 @@ mod tests {
     fn responses_are_laid_out_as_masters_parse_them() {
         let expedited = SdoResponse::Expedited {
             address: CONTROLWORD,
+            complete: false,
             data: &[7],
         };
         assert_eq!(expedited.parts(), ([0x4F, 0x40, 0x60, 0, 7, 0, 0, 0], &[][..]));
+        let complete = SdoResponse::Normal {
+            address: CONTROLWORD,
+            complete: true,
+            size: 6,
+            data: &[1, 2, 3, 4, 5, 6],
+        };
+        assert_eq!(complete.parts(), ([0x51, 0x40, 0x60, 0, 6, 0, 0, 0], &[1, 2, 3, 4, 5, 6][..]));
         let segment = SdoResponse::Segment {
             toggle: true,
             last: true,
