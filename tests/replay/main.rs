@@ -79,7 +79,7 @@ fn pysoem_with_two_drives_and_clocks_gets_the_recorded_answers() {
         name: "pysoem-two-drives.pcapng",
         drives: 2,
         inputs: &[14, 25],
-        least: 900,
+        least: 800,
     });
 }
 
