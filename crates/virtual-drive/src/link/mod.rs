@@ -6,6 +6,7 @@
 //! | `interface` | what the system tells about an interface, and the claim of the one drive server on it |
 //! | `sys` | the few system calls `raw` needs and no safe crate offers; the only unsafe code |
 //! | [`open_error`] | why an interface could not be opened, and what to type |
+//! | [`udp`] | [`udp::UdpLink`]: EtherCAT frames in UDP packets, without privileges |
 //! | [`wait`] | [`wait::Predictor`]: when the next cyclic frame is due, and whether spinning for it pays |
 //! | [`pcap`] | recording of any link to .pcapng, and reading captures back for replays |
 use std::fmt;
@@ -23,6 +24,7 @@ pub mod raw;
 pub mod raw;
 #[cfg(target_os = "linux")]
 mod sys;
+pub mod udp;
 pub mod wait;
 
 /// EtherType of EtherCAT (ETG.1000.4, 5.3).

@@ -1,10 +1,14 @@
 //! What can be typed.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
 use crate::master::sdo::Address;
+
+/// The address of `--udp` alone: this computer, the port of EtherCAT.
+const LOCAL_UDP: &str = "127.0.0.1:34980";
 
 /// A virtual USR2556E EtherCAT stepper drive, for any EtherCAT master.
 ///
@@ -68,8 +72,11 @@ pub struct Served {
 #[derive(Debug, Args)]
 pub struct Run {
     /// Network interface of the master's cable, or one end of a veth pair
-    #[arg(long, value_name = "IFACE")]
-    pub interface: String,
+    #[arg(long, value_name = "IFACE", required_unless_present = "udp")]
+    pub interface: Option<String>,
+    /// Serve EtherCAT over UDP at this address instead; needs no privileges [without ADDRESS: 127.0.0.1:34980]
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = LOCAL_UDP, conflicts_with = "interface")]
+    pub udp: Option<SocketAddr>,
     /// What is served.
     #[command(flatten)]
     pub served: Served,
@@ -86,20 +93,31 @@ pub struct Exec {
     pub command: Vec<std::ffi::OsString>,
 }
 
+/// Where the drives are, for `scan`, `sdo` and `move`.
+#[derive(Debug, Args)]
+pub struct Bus {
+    /// Network interface of the drives' cable
+    #[arg(long, value_name = "IFACE", env = "USR2556E_INTERFACE", required_unless_present = "udp")]
+    pub interface: Option<String>,
+    /// Reach the drives by EtherCAT over UDP at this address instead [without ADDRESS: 127.0.0.1:34980]
+    #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = LOCAL_UDP)]
+    pub udp: Option<SocketAddr>,
+}
+
 /// Options of `scan`.
 #[derive(Debug, Args)]
 pub struct Scan {
-    /// Network interface of the drives' cable
-    #[arg(long, value_name = "IFACE", env = "USR2556E_INTERFACE")]
-    pub interface: String,
+    /// Where the drives are.
+    #[command(flatten)]
+    pub bus: Bus,
 }
 
 /// Options of `sdo`.
 #[derive(Debug, Args)]
 pub struct Sdo {
-    /// Network interface of the drives' cable
-    #[arg(long, value_name = "IFACE", env = "USR2556E_INTERFACE")]
-    pub interface: String,
+    /// Where the drives are.
+    #[command(flatten)]
+    pub bus: Bus,
     /// Position of the drive on the bus, counted from 1
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub drive: u16,
@@ -129,9 +147,9 @@ pub enum Transfer {
 /// Options of `move`.
 #[derive(Debug, Args)]
 pub struct Move {
-    /// Network interface of the drives' cable
-    #[arg(long, value_name = "IFACE", env = "USR2556E_INTERFACE")]
-    pub interface: String,
+    /// Where the drives are.
+    #[command(flatten)]
+    pub bus: Bus,
     /// Position of the drive on the bus, counted from 1
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     pub drive: u16,

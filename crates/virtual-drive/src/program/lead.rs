@@ -10,8 +10,10 @@ use ethercrab::MainDevice;
 use ethercrab::subdevice_group::PreOp;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::arguments::{Move, Scan, Sdo, Target, Transfer};
+use super::arguments::{Bus, Move, Scan, Sdo, Target, Transfer};
+use crate::link::Link;
 use crate::link::raw::{RawLink, Role};
+use crate::link::udp::UdpLink;
 use crate::master::axis::{Axis, Exchange, HANDSHAKE_LIMIT, Operating};
 use crate::master::bring_up::{self, Group};
 use crate::master::process_data::{Inputs, controlword, mode, statusword};
@@ -27,9 +29,21 @@ const STANDSTILL: Duration = Duration::from_millis(200);
 /// How often process data are exchanged: easily kept without real-time privileges, and well within the drive's watchdog of 100 ms.
 const CYCLE: Duration = Duration::from_millis(2);
 
-fn on_interface<T>(interface: &str, conversation: impl AsyncFnOnce(&MainDevice<'_>, &Pace) -> anyhow::Result<T>) -> anyhow::Result<T> {
-    let mut link = RealTimeLink::new(RawLink::open(interface, Role::Master)?);
-    master::run(&mut link, conversation)?
+fn on_bus<T>(bus: &Bus, conversation: impl AsyncFnOnce(&MainDevice<'_>, &Pace) -> anyhow::Result<T>) -> anyhow::Result<T> {
+    let link: Box<dyn Link> = match (bus.udp, &bus.interface) {
+        (Some(drives), _) => Box::new(UdpLink::connect(drives)?),
+        (None, Some(interface)) => Box::new(RawLink::open(interface, Role::Master)?),
+        (None, None) => bail!("name the drives' interface with --interface IFACE, or their address with --udp ADDRESS:PORT"),
+    };
+    master::run(&mut RealTimeLink::new(link), conversation)?
+}
+
+/// The bus as messages name it.
+fn name(bus: &Bus) -> String {
+    match (bus.udp, &bus.interface) {
+        (Some(drives), _) => format!("UDP {drives}"),
+        (None, interface) => interface.clone().unwrap_or_default(),
+    }
 }
 
 /// Scans, and makes sure that there is somebody.
@@ -54,8 +68,8 @@ fn position(group: &Group<PreOp>, drive: u16) -> anyhow::Result<usize> {
 }
 
 pub(super) fn scan(options: &Scan) -> anyhow::Result<()> {
-    on_interface(&options.interface, async |main, pace| {
-        let group = found(main, pace, &options.interface).await?;
+    on_bus(&options.bus, async |main, pace| {
+        let group = found(main, pace, &name(&options.bus)).await?;
         let mut out = io::stdout().lock();
         for (position, drive) in group.iter(main).enumerate() {
             writeln!(out, "{:>3}  {}", position + 1, describe::identity(&drive))?;
@@ -81,8 +95,8 @@ pub(super) fn sdo(options: &Sdo) -> anyhow::Result<()> {
         Transfer::Read { address } => (*address, None),
         Transfer::Write { address, value } => (*address, Some(value_bytes(*address, value)?)),
     };
-    on_interface(&options.interface, async |main, pace| {
-        let group = found(main, pace, &options.interface).await?;
+    on_bus(&options.bus, async |main, pace| {
+        let group = found(main, pace, &name(&options.bus)).await?;
         let drive = group.subdevice(main, position(&group, options.drive)?)?;
         if let Some(bytes) = value {
             master::sdo::write(&drive, address, &bytes)
@@ -118,8 +132,8 @@ fn refused(doing: &str, address: Address, error: ethercrab::error::Error) -> any
 
 pub(super) fn move_axis(options: &Move) -> anyhow::Result<ExitCode> {
     let interrupted = super::on_signal()?;
-    on_interface(&options.interface, async |main, pace| {
-        let group = found(main, pace, &options.interface).await?;
+    on_bus(&options.bus, async |main, pace| {
+        let group = found(main, pace, &name(&options.bus)).await?;
         let drive = position(&group, options.drive)?;
         set_up(main, &group, drive, options).await?;
         let group = bring_up::to_op(main, pace, group, CYCLE)

@@ -1,20 +1,23 @@
 //! `run` and `exec`.
 
+use std::fmt;
 use std::io::{self, Write};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 
 use super::arguments::{Exec, Run, Served};
 use crate::drive::DriveConfig;
 use crate::eeprom_folder::EepromFolder;
-use crate::link::LinkError;
 use crate::link::pcap::Recorder;
 use crate::link::raw::{RawLink, Role};
+use crate::link::udp::UdpLink;
+use crate::link::{Link, LinkError};
 use crate::namespace;
 use crate::segment::VirtualSegment;
 use crate::server::{self, Traffic};
@@ -22,13 +25,13 @@ use crate::status::StatusLines;
 
 pub(super) fn run(options: &Run) -> anyhow::Result<()> {
     let stop = super::on_signal()?;
-    let service = Service::prepare(&options.served, &options.interface)?;
-    writeln!(
-        io::stdout(),
-        "Serving {} on {}; Ctrl-C ends.",
-        plural(options.served.drives),
-        options.interface
-    )?;
+    let place = match (options.udp, &options.interface) {
+        (Some(address), _) => Place::Udp(address),
+        (None, Some(interface)) => Place::Interface(interface),
+        (None, None) => bail!("name the interface to serve with --interface IFACE, or an address with --udp ADDRESS:PORT"),
+    };
+    let service = Service::prepare(&options.served, place)?;
+    writeln!(io::stdout(), "Serving {} on {place}; Ctrl-C ends.", plural(options.served.drives))?;
     let mut lines = StatusLines::new(options.served.drives.into());
     service.serve(&stop, |segment, traffic| lines.show(segment, traffic))?;
     Ok(())
@@ -37,7 +40,7 @@ pub(super) fn run(options: &Run) -> anyhow::Result<()> {
 pub(super) fn exec(options: &Exec) -> anyhow::Result<ExitCode> {
     // First of all: only a process of one thread can move into a network of its own.
     namespace::enter()?;
-    let service = Service::prepare(&options.served, namespace::DRIVE_INTERFACE)?;
+    let service = Service::prepare(&options.served, Place::Interface(namespace::DRIVE_INTERFACE))?;
     let stop = Arc::new(AtomicBool::new(false));
     let serving = thread::spawn({
         let stop = Arc::clone(&stop);
@@ -63,9 +66,34 @@ fn plural(drives: u16) -> String {
     }
 }
 
+/// Where drives are served.
+#[derive(Clone, Copy)]
+enum Place<'a> {
+    Interface(&'a str),
+    Udp(SocketAddr),
+}
+
+impl Place<'_> {
+    fn open(self) -> anyhow::Result<Box<dyn Link + Send>> {
+        Ok(match self {
+            Self::Interface(interface) => Box::new(RawLink::open(interface, Role::DriveServer)?),
+            Self::Udp(address) => Box::new(UdpLink::serve(address)?),
+        })
+    }
+}
+
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Interface(interface) => write!(f, "{interface}"),
+            Self::Udp(address) => write!(f, "UDP {address}"),
+        }
+    }
+}
+
 /// Drives, the link to their master, its capture, and where the drives' EEPROMs are kept.
 struct Service {
-    link: RawLink,
+    link: Box<dyn Link + Send>,
     recorder: Option<Recorder>,
     segment: VirtualSegment,
     eeproms: Option<EepromFolder>,
@@ -73,7 +101,7 @@ struct Service {
 
 impl Service {
     /// Everything that can be wrong with what was typed comes out here, before the first frame.
-    fn prepare(served: &Served, interface: &str) -> anyhow::Result<Self> {
+    fn prepare(served: &Served, place: Place<'_>) -> anyhow::Result<Self> {
         let count = usize::from(served.drives);
         let eeproms = served
             .eeprom
@@ -88,9 +116,9 @@ impl Service {
             })
         });
         let segment = VirtualSegment::new(configs.collect::<anyhow::Result<Vec<_>>>()?);
-        let link = RawLink::open(interface, Role::DriveServer)?;
+        let link = place.open()?;
         let create = |file: &PathBuf| {
-            Recorder::create(file, interface).with_context(|| {
+            Recorder::create(file, &place.to_string()).with_context(|| {
                 format!(
                     "cannot write the capture {}; choose another file with --record FILE",
                     file.display()
