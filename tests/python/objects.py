@@ -64,6 +64,22 @@ def check_writes(drive):
     drive.sdo_write(PEAK_CURRENT, 0, struct.pack("<H", 3000))
 
 
+def check_complete_access(drive):
+    """Whole objects in one transfer: sub-index 0 as 16 bits, then the entries one behind the other."""
+    expect_equal(drive.sdo_read(0x1C00, 0, 64, True), bytes([4, 0, 1, 2, 3, 4]), "0x1C00 by complete access")
+    expect_equal(drive.sdo_read(0x1C12, 0, 64, True), struct.pack("<HH", 1, 0x1600), "0x1C12 by complete access")
+    expect_equal(drive.sdo_read(0x6099, 1, 64, True), struct.pack("<II", 10_000, 2_000), "0x6099 from sub-index 1 by complete access")
+
+
+def check_listing(drive):
+    """The object dictionary as SDO information lists it."""
+    listed = {entry.index: entry for entry in drive.od}
+    missing = [hex(index) for index in (0x1000, 0x1018, 0x1600, 0x1C32, 0x2000, 0x2007, 0x6040, 0x6064, 0x60FE) if index not in listed]
+    expect(not missing, f"SDO information lists {len(listed)} objects", f"without {missing}")
+    expect_equal(listed[PEAK_CURRENT].name, b"Peak Current", "name of 0x2000 in SDO information")
+    expect_equal([entry.bit_length for entry in listed[0x6099].entries], [8, 32, 32], "lengths of 0x6099 in SDO information")
+
+
 def check_absent(drive):
     """Reads of what the device does not have."""
     for index in (0x605D, 0x607B, 0x607D, 0x6071):

@@ -41,6 +41,8 @@ def default_mapping(segment, count, distance):
         objects.check_reads(drive)
         objects.check_writes(drive)
         objects.check_absent(drive)
+        objects.check_complete_access(drive)
+        objects.check_listing(drive)
         objects.check_mapping(drive, DEFAULT_OUTPUTS, DEFAULT_INPUTS)
     segment.map()
     segment.start()
