@@ -32,10 +32,13 @@ const MOTION_LIMIT: Duration = Duration::from_secs(30);
 /// Cycles in which the shaft settles before its place is compared with the counter.
 const SETTLING: u32 = 20;
 
-/// Objects set in PREOP: homing on the home switch (method 19), its speeds, and speed and acceleration of the move. A PC is no real-time
-/// master, so the sync error limit is raised to what the process data watchdog allows too: some 100 cycles without outputs.
+/// Process data watchdog (0x0420) in units of 100 us: 1 s, since other programs may keep a PC's master waiting for longer than the usual 100 ms.
+const WATCHDOG: u16 = 10_000;
+
+/// Objects set in PREOP: homing on the home switch (method 19), its speeds, and speed and acceleration of the move. For the same reason as the
+/// watchdog, cycles without outputs are no error (0x10F1:02).
 const SETTINGS: [(&str, &[u8]); 6] = [
-    ("10F1:2", &300_u16.to_le_bytes()),
+    ("10F1:2", &0_u16.to_le_bytes()),
     ("6098", &[19]),
     ("6099:1", &20_000_u32.to_le_bytes()),
     ("6099:2", &4_000_u32.to_le_bytes()),
@@ -142,6 +145,10 @@ async fn describe_first(main: &MainDevice<'_>, group: &Group<PreOp>) -> anyhow::
 
 async fn set_up(main: &MainDevice<'_>, group: &Group<PreOp>) -> anyhow::Result<()> {
     let drive = group.subdevice(main, 0)?;
+    drive
+        .register_write(wire::register::PROCESS_WATCHDOG_TIME, WATCHDOG)
+        .await
+        .context("setting the process data watchdog")?;
     for (address, value) in SETTINGS {
         let address = address.parse().map_err(anyhow::Error::msg)?;
         sdo::write(&drive, address, value)
