@@ -10,6 +10,8 @@ pub const CASES: &[Case] = &[
     ("sdo_reads_what_it_has_written", || with_exec(sdo_reads_what_it_has_written)),
     ("sdo_tells_why_the_drive_refuses", || with_exec(sdo_tells_why_the_drive_refuses)),
     ("move_goes_by_and_to", || with_exec(move_goes_by_and_to)),
+    ("move_ends_at_a_limit_switch", || with_exec(move_ends_at_a_limit_switch)),
+    ("move_halts_on_ctrl_c", || with_exec(move_halts_on_ctrl_c)),
     ("a_drive_that_is_not_on_the_bus_is_told", || {
         with_exec(a_drive_that_is_not_on_the_bus_is_told)
     }),
@@ -75,6 +77,18 @@ fn move_goes_by_and_to() {
     assert!(values[0].starts_with("-1000 "), "{values:?}");
     assert!(values[1].ends_with("(0x0050)") || values[1].ends_with("(0x0250)"), "{values:?}");
     assert!(values[2].starts_with("0 "), "{values:?}");
+}
+
+fn move_ends_at_a_limit_switch() {
+    // The positive limit is ten turns away.
+    beside_drives(&[], r#""$USR2556E" move --to 150000 --velocity 200000 --acceleration 400000"#)
+        .with(1)
+        .says(&["a limit switch has stopped the drive at 1"]);
+}
+
+fn move_halts_on_ctrl_c() {
+    let script = r#"timeout --preserve-status --signal INT 1 "$USR2556E" move --to 90000 --velocity 10000"#;
+    beside_drives(&[], script).with(130).prints(&["Halted at "]);
 }
 
 fn a_drive_that_is_not_on_the_bus_is_told() {
