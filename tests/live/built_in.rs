@@ -87,7 +87,7 @@ fn move_ends_at_a_limit_switch() {
 }
 
 fn move_halts_on_ctrl_c() {
-    let script = r#"timeout --preserve-status --signal INT 1 "$USR2556E" move --to 90000 --velocity 10000"#;
+    let script = r#"timeout --preserve-status --signal INT 3 "$USR2556E" move --to 90000 --velocity 10000"#;
     beside_drives(&[], script).with(130).prints(&["Halted at "]);
 }
 
