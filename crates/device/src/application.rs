@@ -1,6 +1,7 @@
 //! What the slave stack asks of the drive.
 
 use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects};
+use drive::faults::Fault;
 use drive::{Drive, DriveObjects};
 use wire::coe::Emergency;
 
@@ -27,7 +28,7 @@ impl Objects for Application<'_> {
 
 impl slave::Application for Application<'_> {
     fn error_register(&self) -> u8 {
-        error_register(self.objects.error_code)
+        self.drive.fault().map_or(0, Fault::error_register)
     }
 
     fn emergency(&self) -> Emergency {
@@ -59,22 +60,5 @@ impl Application<'_> {
         } else {
             Ok(())
         }
-    }
-}
-
-/// The error register (0x1001, CiA 301) while the fault `code` (0x603F) is active.
-const fn error_register(code: u16) -> u8 {
-    const GENERIC: u8 = 1 << 0;
-    const CURRENT: u8 = 1 << 1;
-    const VOLTAGE: u8 = 1 << 2;
-    const COMMUNICATION: u8 = 1 << 4;
-    const PROFILE: u8 = 1 << 5;
-    match code {
-        0 => 0,
-        0x2000..=0x2FFF => GENERIC | CURRENT,
-        0x3000..=0x3FFF => GENERIC | VOLTAGE,
-        0x7500 => GENERIC | COMMUNICATION,
-        0x8600..=0x8FFF => GENERIC | PROFILE,
-        _ => GENERIC,
     }
 }

@@ -35,11 +35,14 @@ impl Fault {
         }
     }
 
-    /// Red flashes of the status LED (manual 1.6), which shows none for the network.
-    pub const fn red_flashes(self) -> u8 {
+    /// The error register 0x1001 while the fault is active (CiA 301).
+    pub const fn error_register(self) -> u8 {
+        const GENERIC: u8 = 1 << 0;
+        const VOLTAGE: u8 = 1 << 2;
+        const COMMUNICATION: u8 = 1 << 4;
         match self {
-            Self::Communication => 0,
-            Self::Overvoltage => 2,
+            Self::Communication => GENERIC | COMMUNICATION,
+            Self::Overvoltage => GENERIC | VOLTAGE,
         }
     }
 }
