@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io::{self, Write};
 
+use drive::Mode;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::drive::DriveStatus;
@@ -15,7 +16,8 @@ impl fmt::Display for DriveStatus {
         if self.al_status_code.code() != 0 {
             write!(f, " (0x{:04X})", self.al_status_code.code())?;
         }
-        write!(f, "  {:22} {:7}", self.power_state.name(), mode_name(self.mode))?;
+        let mode = Mode::from_object(self.mode).map_or("no mode", Mode::name);
+        write!(f, "  {:22} {:7}", self.power_state.name(), mode)?;
         write!(
             f,
             "  position {:>11}  shaft {:>9.3} turns  {:>5} rpm",
@@ -25,17 +27,6 @@ impl fmt::Display for DriveStatus {
             write!(f, "  error 0x{:04X}", self.error_code)?;
         }
         Ok(())
-    }
-}
-
-/// What a mode of operation is called for short.
-fn mode_name(mode: i8) -> &'static str {
-    match mode {
-        1 => "PP",
-        3 => "PV",
-        6 => "homing",
-        8 => "CSP",
-        _ => "no mode",
     }
 }
 
