@@ -71,7 +71,9 @@ pub fn serve_recorded(
         let mut answered = false;
         match received {
             Received::Frame(length) => {
-                asked[..length].copy_from_slice(&buffer[..length]);
+                if recorder.is_some() {
+                    asked[..length].copy_from_slice(&buffer[..length]);
+                }
                 answered = answer(link, segment, &mut buffer[..length], arrived, &mut traffic)?;
             }
             Received::Soon | Received::Timeout => {}
