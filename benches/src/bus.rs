@@ -48,7 +48,7 @@ impl Bus for Lockstep {
     }
 
     fn pause(&mut self, span: Duration) {
-        self.now.0 += span.as_nanos() as u64;
+        self.now = self.now.after(span);
         self.segment.catch_up(self.now);
     }
 }

@@ -12,7 +12,6 @@ use usr2556e::master::axis::{Axis, Exchange, Operating};
 use usr2556e::master::bring_up::{self, Group};
 use usr2556e::master::{self, Pace};
 use usr2556e::segment::{InMemory, VirtualSegment};
-use wire::Nanos;
 
 /// Pulses of one turn at delivery.
 pub const PULSES_PER_TURN: f64 = 10_000.0;
@@ -103,8 +102,8 @@ impl Rig {
     /// Lets time pass without a frame.
     pub fn idle(&self, span: Duration) {
         let mut link = self.link.borrow_mut();
-        let until = link.now().0 + span.as_nanos() as u64;
-        link.wait_until(Nanos(until));
+        let until = link.now().after(span);
+        link.wait_until(until);
     }
 
     /// Where the first drive's shaft is, in pulses from where position 0 was at power-on.

@@ -29,8 +29,7 @@ impl Clock {
     /// The present instant.
     pub fn now(&self) -> Nanos {
         match self {
-            // 584 years pass before 64 bits of nanoseconds are full.
-            Self::RealTime(start) => Nanos(start.elapsed().as_nanos() as u64),
+            Self::RealTime(start) => Nanos(0).after(start.elapsed()),
             Self::LockStep(now) => *now,
         }
     }

@@ -78,7 +78,7 @@ impl VirtualSegment {
 const FRAME_TIME: Nanos = Nanos(6_720);
 
 /// The longest step of time while a master waits in lock-step, so that it sees changes as they come.
-const WAIT_STEP: Nanos = Nanos(100_000);
+const WAIT_STEP: Duration = Duration::from_micros(100);
 
 /// Frames a master may have under way before it fetches them; further ones are lost, as in a full network buffer.
 const FRAMES_UNDER_WAY: usize = 64;
@@ -166,8 +166,7 @@ impl Link for InMemory {
             place.copy_from_slice(&frame);
             return Ok(Received::Frame(frame.len()));
         }
-        let step = (wait.as_nanos() as u64).min(WAIT_STEP.0);
-        self.wait_until(Nanos(self.clock.now().0 + step));
+        self.wait_until(self.clock.now().after(wait.min(WAIT_STEP)));
         Ok(Received::Timeout)
     }
 }

@@ -22,6 +22,8 @@ pub mod mailbox;
 pub mod register;
 pub mod sii;
 
+use core::time::Duration;
+
 pub use access::{AlEvents, EscAccess};
 
 /// An instant of bus time in nanoseconds since an arbitrary start; only differences matter.
@@ -29,6 +31,12 @@ pub use access::{AlEvents, EscAccess};
 pub struct Nanos(pub u64);
 
 impl Nanos {
+    /// The instant a span of time after this one; the last there is, if that is later than all.
+    pub const fn after(self, span: Duration) -> Self {
+        // 584 years pass before 64 bits of nanoseconds are full.
+        Self(self.0.saturating_add(span.as_nanos() as u64))
+    }
+
     /// The time from `earlier` to this instant; zero when `earlier` is later.
     pub const fn since(self, earlier: Self) -> u64 {
         self.0.saturating_sub(earlier.0)

@@ -141,43 +141,48 @@ impl<'a> Axis<'a> {
     async fn exchange(&mut self) -> Result<(bool, Nanos), Error> {
         match &self.drives {
             Operating::Frames(group, interval) => {
-                self.outputs.put(&mut group.subdevice(self.main, self.position)?.outputs_raw_mut());
+                self.put_outputs(group)?;
                 let response = group.tx_rx(self.main).await?;
-                self.inputs = Inputs::take(&group.subdevice(self.main, self.position)?.inputs_raw());
+                self.inputs = self.take_inputs(group)?;
                 // A cycle that was missed is left out, not made up for.
-                let next = Nanos((self.due.0 + interval.as_nanos() as u64).max(self.pace.now().0));
-                Ok((response.all_op(), next))
+                Ok((response.all_op(), self.due.after(*interval).max(self.pace.now())))
             }
             Operating::Clocks(group) => {
-                self.outputs.put(&mut group.subdevice(self.main, self.position)?.outputs_raw_mut());
+                self.put_outputs(group)?;
                 let response = bring_up::exchange_with_clocks(self.main, self.pace, group).await?;
-                self.inputs = Inputs::take(&group.subdevice(self.main, self.position)?.inputs_raw());
+                self.inputs = self.take_inputs(group)?;
                 Ok(response)
             }
         }
     }
 
+    fn put_outputs<DC>(&self, group: &Group<Op, DC>) -> Result<(), Error> {
+        self.outputs.put(&mut group.subdevice(self.main, self.position)?.outputs_raw_mut());
+        Ok(())
+    }
+
+    fn take_inputs<DC>(&self, group: &Group<Op, DC>) -> Result<Inputs, Error> {
+        Ok(Inputs::take(&group.subdevice(self.main, self.position)?.inputs_raw()))
+    }
+
     /// Asks the drives which of them has left OP, and why.
     async fn why_left(&self) -> Result<AxisError, Error> {
-        let count = match &self.drives {
-            Operating::Frames(group, _) => group.len(),
-            Operating::Clocks(group) => group.len(),
-        };
-        for position in 0..count {
-            let (state, code) = match &self.drives {
-                Operating::Frames(group, _) => group.subdevice(self.main, position)?.status().await?,
-                Operating::Clocks(group) => group.subdevice(self.main, position)?.status().await?,
-            };
+        match &self.drives {
+            Operating::Frames(group, _) => self.why_left_group(group).await,
+            Operating::Clocks(group) => self.why_left_group(group).await,
+        }
+    }
+
+    async fn why_left_group<DC>(&self, group: &Group<Op, DC>) -> Result<AxisError, Error> {
+        for position in 0..group.len() {
+            let (state, code) = group.subdevice(self.main, position)?.status().await?;
             if state != SubDeviceState::Op {
                 let (drive, reason) = (position + 1, format!("{code} (AL status code 0x{:04X})", u16::from(code)));
                 return Ok(AxisError::LeftOp { drive, reason });
             }
         }
-        let reason = "it is back by now".into();
-        Ok(AxisError::LeftOp {
-            drive: self.position + 1,
-            reason,
-        })
+        let (drive, reason) = (self.position + 1, "it is back by now".into());
+        Ok(AxisError::LeftOp { drive, reason })
     }
 
     /// Exchanges process data until the inputs meet a condition.
@@ -185,7 +190,7 @@ impl<'a> Axis<'a> {
     /// # Errors
     /// They do not within `limit`, the drive goes into fault, or [`Axis::cycle`] fails.
     pub async fn until(&mut self, what: &'static str, limit: Duration, met: impl Fn(&Inputs) -> bool) -> Result<(), AxisError> {
-        let deadline = Nanos(self.pace.now().0 + limit.as_nanos() as u64);
+        let deadline = self.pace.now().after(limit);
         loop {
             self.cycle().await?;
             let statusword = self.inputs.statusword;
@@ -206,7 +211,7 @@ impl<'a> Axis<'a> {
     /// # Errors
     /// It does not get there in time.
     pub async fn enable(&mut self) -> Result<(), AxisError> {
-        let deadline = Nanos(self.pace.now().0 + HANDSHAKE_LIMIT.as_nanos() as u64);
+        let deadline = self.pace.now().after(HANDSHAKE_LIMIT);
         loop {
             self.cycle().await?;
             let statusword = self.inputs.statusword;

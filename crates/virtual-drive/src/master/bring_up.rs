@@ -18,7 +18,7 @@ pub const MAX_PROCESS_DATA: usize = 2048;
 pub type Group<S, DC = NoDc> = SubDeviceGroup<MAX_DRIVES, MAX_PROCESS_DATA, DefaultLock, S, DC>;
 
 /// How long drives may take to OP before the master gives up: the 9 s of the ESI and one to spare.
-const OP_TIMEOUT: Nanos = Nanos(10_000_000_000);
+const OP_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// From power-on to SYNC0's first pulse: time for the state changes in between.
 const SYNC0_START_DELAY: Duration = Duration::from_millis(100);
@@ -37,7 +37,7 @@ pub async fn scan(main: &MainDevice<'_>, pace: &Pace) -> Result<Group<PreOp>, Er
 /// A drive refuses, or does not reach OP in time.
 pub async fn to_op(main: &MainDevice<'_>, pace: &Pace, group: Group<PreOp>, cycle: Duration) -> Result<Group<Op>, Error> {
     let group = group.into_pre_op_pdi(main).await?.request_into_op(main).await?;
-    let deadline = Nanos(pace.now().0 + OP_TIMEOUT.0);
+    let deadline = pace.now().after(OP_TIMEOUT);
     let mut next = pace.now();
     loop {
         let response = group.tx_rx(main).await?;
@@ -45,7 +45,7 @@ pub async fn to_op(main: &MainDevice<'_>, pace: &Pace, group: Group<PreOp>, cycl
             return Ok(group);
         }
         give_up_after(pace, deadline)?;
-        next.0 += cycle.as_nanos() as u64;
+        next = next.after(cycle);
         pace.until(next).await;
     }
 }
@@ -75,7 +75,7 @@ pub async fn to_op_with_clocks(
         .await?
         .request_into_op(main)
         .await?;
-    let deadline = Nanos(pace.now().0 + OP_TIMEOUT.0);
+    let deadline = pace.now().after(OP_TIMEOUT);
     loop {
         let (all_op, next) = exchange_with_clocks(main, pace, &group).await?;
         if all_op {
@@ -94,7 +94,7 @@ pub async fn to_op_with_clocks(
 pub async fn exchange_with_clocks(main: &MainDevice<'_>, pace: &Pace, group: &Group<Op, HasDc>) -> Result<(bool, Nanos), Error> {
     let sent = pace.now();
     let response = group.tx_rx_dc(main).await?;
-    Ok((response.all_op(), Nanos(sent.0 + response.extra.next_cycle_wait.as_nanos() as u64)))
+    Ok((response.all_op(), sent.after(response.extra.next_cycle_wait)))
 }
 
 fn give_up_after(pace: &Pace, deadline: Nanos) -> Result<(), Error> {

@@ -95,7 +95,7 @@ impl<L: Link> Link for RealTimeLink<L> {
 
 impl<L: Link> MasterLink for RealTimeLink<L> {
     fn now(&self) -> Nanos {
-        Nanos(self.start.elapsed().as_nanos() as u64)
+        Nanos(0).after(self.start.elapsed())
     }
 
     fn wait_until(&mut self, instant: Nanos) {
@@ -152,7 +152,7 @@ impl Pace {
 
     /// Waits for a span of time from now on.
     pub async fn pause(&self, span: Duration) {
-        self.until(Nanos(self.now().0 + span.as_nanos() as u64)).await;
+        self.until(self.now().after(span)).await;
     }
 }
 
