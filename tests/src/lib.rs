@@ -1,4 +1,6 @@
-//! A rig for tests: virtual drives, the `ethercrab` master and lock-step time on one thread.
+//! A rig for tests: virtual drives, the `ethercrab` master and lock-step time on one thread; in [`raw`], a master of single datagrams.
+
+pub mod raw;
 
 use std::cell::RefCell;
 use std::rc::Rc;
