@@ -8,7 +8,7 @@ from process_data import DEFAULT_INPUTS, DEFAULT_OUTPUTS, Cyclic
 from verdict import Failure, expect, expect_equal
 
 # How long to wait for a frame while the drives are brought up, in s. Without a second interface, this master waits that long after each
-# broadcast, and there are some 500 of them. So the first try is a short one; a busy machine needs more.
+# broadcast, and it reads the EEPROM with hundreds of them. So the first try is a short one; a busy machine needs more.
 SCAN_TIMEOUTS = [0.01, 0.03, 0.1]
 # How long to wait for a frame thereafter; it passes with each request of a state.
 FRAME_TIMEOUT = 0.3
