@@ -3,6 +3,7 @@
 mod bus;
 mod coe;
 mod differences;
+mod eeprom;
 mod homing;
 mod information;
 mod mapping;

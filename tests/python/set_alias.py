@@ -25,11 +25,15 @@ def checksum(configuration):
 
 
 def write_alias(drive, alias):
-    """Replaces the alias and makes the checksum fit again."""
+    """Replaces the alias, makes the checksum fit again, and reads both back."""
     configuration = bytearray(b"".join(drive.eeprom_read(word)[:2] for word in range(CHECKSUM_WORD)))
     struct.pack_into("<H", configuration, 2 * ALIAS_WORD, alias)
-    drive.eeprom_write(ALIAS_WORD, struct.pack("<H", alias))
-    drive.eeprom_write(CHECKSUM_WORD, struct.pack("<H", checksum(configuration)))
+    for word, value in [(ALIAS_WORD, alias), (CHECKSUM_WORD, checksum(configuration))]:
+        written = struct.pack("<H", value)
+        drive.eeprom_write(word, written)
+        seen = drive.eeprom_read(word)[:2]
+        if seen != written:
+            sys.exit(f"word {word} of the EEPROM reads {seen.hex()} after {written.hex()} was written")
 
 
 def main():
