@@ -137,6 +137,11 @@ impl RawMaster {
         self.write(OUTPUTS, &[0; OUTPUT_SIZE])
     }
 
+    /// Reads the inputs of the default mapping; `None` if the drive has none to give.
+    pub fn read_inputs(&mut self) -> Option<Vec<u8>> {
+        self.read(INPUTS, INPUT_SIZE.into())
+    }
+
     /// Sets the SYNC unit up: cycle times in ns and the activation register; the first SYNC0 comes after one cycle.
     pub fn set_sync_unit(&mut self, activation: u8, sync0: u32, sync1: u32) {
         let system_time = self.read(reg::DC_SYSTEM_TIME, 8).expect("a distributed clock");

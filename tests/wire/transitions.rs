@@ -1,6 +1,6 @@
 //! Every request to the state machine in every state (ETG.1000.6, EtherCAT state machine).
 
-use rig::raw::RawMaster;
+use rig::raw::{OUTPUT_SIZE, RawMaster};
 use wire::al::AlState;
 
 const STATES: [AlState; 4] = [AlState::Init, AlState::PreOp, AlState::SafeOp, AlState::Op];
@@ -80,4 +80,33 @@ fn al_control_takes_the_next_request_right_after_the_last() {
     for control in [0x11, 0x12, 0x14, 0x12, 0x11, 0x12] {
         assert_eq!(answer(&mut master, control), (control & 0x0F, 0));
     }
+}
+
+#[test]
+fn process_data_have_a_working_counter_from_safeop_on_and_lose_it_below() {
+    for above in [AlState::SafeOp, AlState::Op] {
+        for below in [AlState::Init, AlState::PreOp] {
+            let mut master = RawMaster::in_state(above);
+            assert!(master.send_outputs() && master.read_inputs().is_some());
+            master.request(below.code().into());
+            assert!(!master.send_outputs(), "outputs from {} to {}", above.name(), below.name());
+            assert_eq!(master.read_inputs(), None, "inputs from {} to {}", above.name(), below.name());
+            for state in [AlState::PreOp, AlState::SafeOp, AlState::Op] {
+                answer(&mut master, state.code().into());
+            }
+            assert_eq!(master.al_status(), (8, 0), "the same sync managers serve again");
+            assert!(master.send_outputs() && master.read_inputs().is_some());
+        }
+    }
+}
+
+#[test]
+fn an_error_that_ends_safeop_takes_the_process_data_away_until_the_next_one() {
+    let mut master = RawMaster::in_state(AlState::Op);
+    master.set_sync_manager(2, 0x1200, OUTPUT_SIZE as u16, 0x64, true);
+    assert_eq!(master.al_status(), (0x12, 0x1D));
+    assert_eq!(master.request(0x12), (2, 0), "acknowledged");
+    assert_eq!(master.read_inputs(), None);
+    assert_eq!(master.request(4), (4, 0));
+    assert!(master.read_inputs().is_some());
 }

@@ -99,7 +99,11 @@ impl Slave {
     pub(crate) fn give_up(&mut self, esc: &mut impl EscAccess, state: AlState, code: AlStatusCode, origin: Origin) {
         self.pending_op = None;
         if self.status.state >= AlState::SafeOp {
-            self.process.deactivate(esc);
+            if state >= AlState::SafeOp {
+                self.process.deactivate(esc);
+            } else {
+                self.process.stop(esc);
+            }
         }
         if state == AlState::Init {
             self.stop_mailbox();

@@ -45,21 +45,25 @@ impl Slave {
 
     /// The pending error is acknowledged: the master may send outputs again.
     fn acknowledge(&mut self, esc: &mut impl EscAccess) {
-        self.process.reactivate(esc);
+        if self.status.state >= AlState::SafeOp {
+            self.process.reactivate(esc);
+        }
         (self.area.outputs.error, self.area.inputs.error) = (false, false);
     }
 
     /// Runs the steps to INIT, PREOP or SAFEOP.
     fn change(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, target: AlState, now: Nanos) -> Result<(), Refusal> {
+        if self.status.state >= AlState::SafeOp && target < AlState::SafeOp {
+            self.process.stop(esc);
+        }
         match (self.status.state, target) {
             (AlState::Init, AlState::PreOp) => self.start_mailbox(esc),
             (AlState::PreOp, AlState::SafeOp) => self.start_process_data(esc, application, now),
             (_, AlState::Init) => {
-                self.process.reactivate(esc);
                 self.stop_mailbox();
                 Ok(())
             }
-            // SAFEOP and PREOP from above: outputs and inputs just stop.
+            // SAFEOP from OP: outputs just stop counting.
             _ => Ok(()),
         }
     }
@@ -95,6 +99,7 @@ impl Slave {
         self.choose_mode(esc, &all).map_err(refuse)?;
         check_watchdog(esc, &all).map_err(refuse)?;
 
+        self.process.reactivate(esc);
         self.process.start(esc, outputs, inputs, &all);
         self.last_sync0 = None;
         esc.read_u8(register::DC_SYNC0_STATUS);
