@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`pysoem`] | SOEM through Python |
+//! | [`ring`] | SOEM, and cables that are cut |
 //! | [`built_in`] | the program's own master |
 //! | [`tshark`] | what Wireshark thinks of the frames |
 //! | [`cable`] | a virtual cable between interfaces of this machine |
@@ -12,6 +13,7 @@ mod cable;
 #[path = "../cli/program.rs"]
 mod program;
 mod pysoem;
+mod ring;
 mod tshark;
 
 use libtest_mimic::{Arguments, Trial};
@@ -21,7 +23,7 @@ use program::Outcome;
 type Case = (&'static str, fn() -> Outcome);
 
 fn main() -> std::process::ExitCode {
-    let cases = [pysoem::CASES, built_in::CASES, tshark::CASES].concat();
+    let cases = [pysoem::CASES, ring::CASES, built_in::CASES, tshark::CASES].concat();
     let trials = cases.into_iter().map(|(name, case)| Trial::ignorable_test(name, case)).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

@@ -34,7 +34,7 @@ const MISSING: &str =
     "needs pysoem: python3 -m venv target/python && target/python/bin/pip install --requirement tests/python/requirements.txt";
 
 /// An error of a test here is the reason why it cannot be run.
-fn outcome(ended: Result<(), String>) -> Outcome {
+pub fn outcome(ended: Result<(), String>) -> Outcome {
     Ok(ended.map_or_else(Completion::ignored_with, |()| Completion::Completed))
 }
 
@@ -49,7 +49,7 @@ fn python(root: &Path) -> Option<PathBuf> {
 }
 
 /// The command line of a script of `tests/python`.
-fn script(name: &str, options: &[&str]) -> Result<Vec<String>, String> {
+pub fn script(name: &str, options: &[&str]) -> Result<Vec<String>, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests has a parent");
     let python = python(root).ok_or(MISSING)?;
     let words = [python, root.join("tests/python").join(name)].map(|path| path.display().to_string());
@@ -57,7 +57,7 @@ fn script(name: &str, options: &[&str]) -> Result<Vec<String>, String> {
 }
 
 /// Runs a command line in a network of its own.
-fn exec(options: &[&str], command: Vec<String>) -> Result<Ended, String> {
+pub fn exec(options: &[&str], command: Vec<String>) -> Result<Ended, String> {
     let words = ["exec"].iter().chain(options).chain(&["--"]).map(|&word| word.to_owned());
     let ended = run(words.chain(command));
     forbidden(&ended).map_or(Ok(ended), Err)

@@ -46,7 +46,7 @@ fn every_frame_of_the_demonstration() -> Outcome {
 }
 
 /// Checks that there are at least so many EtherCAT frames, and that the dissector has no complaint about any.
-fn check(capture: &Path, least: usize) {
+pub fn check(capture: &Path, least: usize) {
     let frames = listed(capture, "eth.type == 0x88a4");
     assert!(frames.len() >= least, "only {} frames", frames.len());
     let complaint = "_ws.malformed || _ws.short || _ws.expert.severity == 8388608";

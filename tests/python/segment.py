@@ -42,9 +42,9 @@ DEFAULT_INPUTS = Layout([(0x6041, 16), (0x6061, 8), (0x6064, 32), (0x60FD, 32)],
 
 
 class Segment:
-    """The master with all its drives, which are told the same."""
+    """The master with all its drives, which are told the same. With a second interface, it is the master of a ring."""
 
-    def __init__(self, interface, period_ns):
+    def __init__(self, interface, period_ns, redundant=None):
         self.interface = interface
         self.period = period_ns
         self.outputs = DEFAULT_OUTPUTS
@@ -55,7 +55,7 @@ class Segment:
         timeouts.eeprom = timeouts.tx_mailbox = timeouts.rx_mailbox = SERVICE_TIMEOUT
         self.master = pysoem.Master()
         self.master.sdo_read_timeout = self.master.sdo_write_timeout = SERVICE_TIMEOUT
-        self.master.open(interface)
+        self.master.open(interface, redundant)
         self.next_cycle = time.monotonic_ns()
 
     def close(self):
@@ -155,11 +155,15 @@ class Segment:
         """The inputs of the drives, one tuple of values each."""
         return [struct.unpack(self.inputs.form, drive.input) for drive in self.drives]
 
-    def cycle(self, checked=True):
-        """Exchanges process data once, at the segment's period, and answers the inputs."""
+    def exchange(self, timeout=FRAME_TIMEOUT):
+        """Exchanges process data once, at the segment's period, and answers the working counter."""
         self.pace()
         self.master.send_processdata()
-        counter = self.master.receive_processdata(FRAME_TIMEOUT)
+        return self.master.receive_processdata(timeout)
+
+    def cycle(self, checked=True):
+        """As `exchange`, but answers the inputs."""
+        counter = self.exchange()
         if checked and counter != self.master.expected_wkc:
             self.explain(counter)
         return self.read()
