@@ -33,6 +33,9 @@ pub enum Command {
     /// Serve drives to a command in a network of its own (needs no root)
     Exec(Exec),
     /// Cut, repair or list the cables of drives that are being served
+    ///
+    /// Cable N leads to drive N from the one before it, cable 1 from the interface; a ring has one more, from its last drive to the redundant
+    /// interface. The exit status is 0 when the order was carried out, and 1 when not.
     Cable(Cable),
     /// List the drives on an interface, with the built-in master
     Scan(Scan),
@@ -107,9 +110,6 @@ pub struct Exec {
 }
 
 /// Options of `cable`.
-///
-/// Cable N leads to drive N from the one before it, cable 1 from the interface; a ring has one more, from its last drive to the redundant
-/// interface. The exit status is 0 when the order was carried out, 1 when not.
 #[derive(Debug, Args)]
 pub struct Cable {
     /// Socket of the drive server, as given to `run --control`; `exec` names it to its command
