@@ -61,7 +61,16 @@ fn an_address_that_is_none_is_refused() {
 }
 
 fn help_lists_every_command() {
-    run(["--help"])
-        .with(0)
-        .prints(&["run", "exec", "scan", "sdo", "move", "esi", "sii", "--output", "--lock-step"]);
+    run(["--help"]).with(0).prints(&[
+        "run",
+        "exec",
+        "cable",
+        "scan",
+        "sdo",
+        "move",
+        "esi",
+        "sii",
+        "--output",
+        "--lock-step",
+    ]);
 }

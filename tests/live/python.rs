@@ -42,7 +42,11 @@ pub fn script(module: &str, name: &str, options: &[&str]) -> Result<Vec<String>,
 /// Runs a command line in a network of its own, and lets Wireshark's dissector see at least so many frames of it.
 pub fn exec(options: &[&str], command: Vec<String>, least_frames: usize) -> Result<Ended, String> {
     let folder = tempdir().expect("a folder");
-    let capture = folder.path().join("session.pcapng");
+    exec_recorded(&folder.path().join("session.pcapng"), options, command, least_frames)
+}
+
+/// Like [`exec`], with the frames in `capture`.
+pub fn exec_recorded(capture: &Path, options: &[&str], command: Vec<String>, least_frames: usize) -> Result<Ended, String> {
     let words = ["exec", "--record", &capture.display().to_string()]
         .iter()
         .chain(options)
@@ -55,7 +59,7 @@ pub fn exec(options: &[&str], command: Vec<String>, least_frames: usize) -> Resu
         return Err(reason);
     }
     if ended.code == Some(0) && tshark::is_here() {
-        tshark::check(&capture, least_frames);
+        tshark::check(capture, least_frames);
     }
     Ok(ended)
 }

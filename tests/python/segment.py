@@ -17,9 +17,9 @@ STATE_NAMES = {1: "INIT", 2: "PREOP", 3: "BOOT", 4: "SAFEOP", 8: "OP"}
 
 
 class Segment(Cyclic):
-    """The master with all its drives, which are told the same."""
+    """The master with all its drives, which are told the same. With a second interface, it is the master of a ring."""
 
-    def __init__(self, interface, period_ns):
+    def __init__(self, interface, period_ns, redundant=None):
         super().__init__(period_ns)
         self.interface = interface
         self.with_clocks = False
@@ -28,7 +28,7 @@ class Segment(Cyclic):
         timeouts.eeprom = timeouts.tx_mailbox = timeouts.rx_mailbox = SERVICE_TIMEOUT
         self.master = pysoem.Master()
         self.master.sdo_read_timeout = self.master.sdo_write_timeout = SERVICE_TIMEOUT
-        self.master.open(interface)
+        self.master.open(interface, redundant)
 
     def close(self):
         """Gives the interface back."""
@@ -120,6 +120,12 @@ class Segment(Cyclic):
     def inputs_of(self, drive):
         """What a drive has given with the last exchange."""
         return drive.input
+
+    def count(self, timeout=FRAME_TIMEOUT):
+        """Exchanges process data once, at the segment's period, and answers the working counter."""
+        self.pace()
+        self.master.send_processdata()
+        return self.master.receive_processdata(timeout)
 
     def exchange(self, checked):
         """Exchanges process data once, and checks the working counter if asked to."""

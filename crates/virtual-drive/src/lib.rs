@@ -4,9 +4,11 @@
 //! |---|---|
 //! | [`drive`] | [`drive::VirtualDrive`]: slave controller, device and plant on one time line |
 //! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
+//! | [`cables`] | the cables of a line or ring, to be cut and repaired |
+//! | [`control`] | orders to them from outside, through a Unix socket |
 //! | [`clock`] | real time and lock-step |
 //! | [`link`] | wires: the trait, raw Ethernet on an interface, captures |
-//! | [`server`] | serving a segment to whatever master is on a link |
+//! | [`server`] | serving a segment to whatever master is on a link, or on two |
 //! | [`namespace`] | a network of one's own without root |
 //! | [`master`] | the built-in master |
 //! | [`demo`] | the demonstration |
@@ -27,7 +29,9 @@
 //! assert_eq!(found.unwrap().unwrap(), 2);
 //! ```
 
+pub mod cables;
 pub mod clock;
+pub mod control;
 pub mod demo;
 pub mod drive;
 pub mod eeprom_folder;
