@@ -40,7 +40,11 @@ const _: () = assert!(FULL_SIZE <= CAPACITY, "parameter_set::CAPACITY is too sma
 /// The saved objects with their present values.
 pub(crate) fn of(objects: &DriveObjects) -> Bytes {
     let mut set = delivery();
-    for (slot, entry) in DriveObjects::ENTRIES.iter().enumerate().filter(|(_, entry)| entry.access.is_saved()) {
+    for (slot, entry) in DriveObjects::ENTRIES
+        .iter()
+        .enumerate()
+        .filter(|(_, entry)| entry.access.is_saved())
+    {
         let mut value = [0; MAX_VALUE_SIZE];
         let size = objects.load(slot, &mut value);
         let [low, high] = entry.index.to_le_bytes();

@@ -87,7 +87,7 @@ pub(crate) fn save(memory: &mut impl NorFlash, set: &Bytes) -> Result<(), AbortC
 
 /// The half of the memory to which the set with this number goes.
 const fn half_of(number: u32) -> usize {
-    number as usize % 2 ^ 1
+    1 - number as usize % 2
 }
 
 /// The log in one half of a memory; `None` if the memory has not two pages for each, of a size that suffices.
@@ -153,7 +153,11 @@ fn number(value: &[u8]) -> Option<u32> {
 
 /// Where the first set ends that is saved in a blank memory; what a cut leaves of it ends before.
 const fn first_set_end<M: NorFlash>() -> usize {
-    let word = if M::WRITE_SIZE > M::READ_SIZE { M::WRITE_SIZE } else { M::READ_SIZE };
+    let word = if M::WRITE_SIZE > M::READ_SIZE {
+        M::WRITE_SIZE
+    } else {
+        M::READ_SIZE
+    };
     let overhead = Log::<M>::item_overhead_size() as usize;
     word + overhead + (KEY_SIZE + NUMBER_SIZE + FULL_SIZE).next_multiple_of(word)
 }

@@ -107,10 +107,7 @@ impl<const WORD: usize, const PAGE: usize> NorFlash for Flash<WORD, PAGE> {
         for (at, byte) in (offset as usize..).zip(bytes) {
             // Words that were begun may be written with zeros only, as flash with error correction demands; unless a page only seems erased.
             let seems_erased = !matches!(self.erasure, Erasure::Forwards);
-            assert!(
-                self.cells[at] == 0xFF || *byte == 0 || seems_erased,
-                "{at:#x} is written twice"
-            );
+            assert!(self.cells[at] == 0xFF || *byte == 0 || seems_erased, "{at:#x} is written twice");
             self.set(at, self.cells[at] & *byte)?;
         }
         Ok(())
@@ -166,7 +163,10 @@ fn cut_everywhere<const WORD: usize, const PAGE: usize>(pages: usize, saves: u32
         let after = flash.load();
         // A first save that was cut off is erased, and of a half-erased page nobody knows what it was.
         let unknown = saves == 0 && !is_new && after == Err(Damaged);
-        assert!(after == Ok(next.clone()) || !again && (unknown || after == found), "{at}: {after:?}");
+        assert!(
+            after == Ok(next.clone()) || !again && (unknown || after == found),
+            "{at}: {after:?}"
+        );
         flash.save(&next).unwrap_or_else(|error| panic!("{at}: {error}"));
         assert_eq!(flash.load(), Ok(next.clone()), "{at}");
     }
@@ -198,7 +198,13 @@ fn whatever_a_cut_erasure_leaves_is_survived() {
 #[test]
 fn sets_are_spread_over_all_pages() {
     let mut flash = saved::<4, 1024>(4, 200, 0);
-    let erased = |flash: &Flash<4, 1024>| flash.cells.chunks(1024).map(|page| page.iter().all(|cell| *cell == 0xFF)).collect::<Vec<_>>();
+    let erased = |flash: &Flash<4, 1024>| {
+        flash
+            .cells
+            .chunks(1024)
+            .map(|page| page.iter().all(|cell| *cell == 0xFF))
+            .collect::<Vec<_>>()
+    };
     let mut used = [false; 4];
     for number in 0..20 {
         flash.save(&parameters(number)).unwrap();

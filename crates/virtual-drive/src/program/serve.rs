@@ -13,7 +13,7 @@ use anyhow::{Context, bail};
 
 use super::arguments::{Exec, Run, Served};
 use crate::drive::DriveConfig;
-use crate::eeprom_folder::EepromFolder;
+use crate::kept_folder::KeptFolder;
 use crate::link::pcap::Recorder;
 use crate::link::raw::{RawLink, Role};
 use crate::link::udp::UdpLink;
@@ -91,29 +91,22 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// Drives, the link to their master, its capture, and where the drives' EEPROMs are kept.
+/// Drives, the link to their master, its capture, and the folder that keeps the drives' memories.
 struct Service {
     link: Box<dyn Link + Send>,
     recorder: Option<Recorder>,
     segment: VirtualSegment,
-    eeproms: Option<EepromFolder>,
+    kept: Option<KeptFolder>,
 }
 
 impl Service {
     /// Everything that can be wrong with what was typed comes out here, before the first frame.
     fn prepare(served: &Served, place: Place<'_>) -> anyhow::Result<Self> {
         let count = usize::from(served.drives);
-        let eeproms = served
-            .eeprom
-            .as_deref()
-            .map(|folder| EepromFolder::open(folder, count))
-            .transpose()?;
-        let configs = (0..count).map(|position| {
-            let eeprom = eeproms.as_ref().map_or(Ok(None), |folder| folder.load(position))?;
-            Ok(DriveConfig {
-                eeprom,
-                ..DriveConfig::numbered(position)
-            })
+        let kept = served.keep.as_deref().map(|folder| KeptFolder::open(folder, count)).transpose()?;
+        let configs = (0..count).map(|position| match &kept {
+            Some(folder) => folder.load(position),
+            None => Ok(DriveConfig::numbered(position)),
         });
         let segment = VirtualSegment::new(configs.collect::<anyhow::Result<Vec<_>>>()?);
         let link = place.open()?;
@@ -130,25 +123,25 @@ impl Service {
             link,
             recorder,
             segment,
-            eeproms,
+            kept,
         })
     }
 
     fn serve(mut self, stop: &AtomicBool, mut show: impl FnMut(&VirtualSegment, Traffic)) -> anyhow::Result<()> {
-        let eeproms = &mut self.eeproms;
+        let kept = &mut self.kept;
         let mut failure = None;
         let observe = |segment: &VirtualSegment, traffic| {
-            if let Some(folder) = eeproms
+            if let Some(folder) = kept
                 && let Err(error) = folder.save_rested(segment)
                 && failure.is_none()
             {
-                eprintln!("usr2556e: {error:#}; the drives go on, and their EEPROMs are saved again at the end");
+                eprintln!("usr2556e: {error:#}; the drives go on, and what is kept of them is written again at the end");
                 failure = Some(());
             }
             show(segment, traffic);
         };
         let ended: Result<(), LinkError> = server::serve_recorded(&mut self.link, &mut self.segment, self.recorder.as_mut(), stop, observe);
-        if let Some(folder) = &mut self.eeproms {
+        if let Some(folder) = &mut self.kept {
             folder.save_all(&self.segment)?;
         }
         if let Some(recorder) = self.recorder {
