@@ -129,7 +129,6 @@ fn saving_and_restoring_act_on_1_only_and_at_standstill_only() {
         }
         // Without shaft lock, profile velocity moves as soon as it is enabled.
         assert_eq!(write("200A", &[0, 0]).await, None);
-        drop(drive);
         let group = bring_up::to_op(main, pace, group, CYCLE).await.unwrap();
         let drive = group.subdevice(main, 0).unwrap();
         let write = async |address: &str, value: &[u8]| refusal(sdo::write(&drive, address.parse().unwrap(), value).await);

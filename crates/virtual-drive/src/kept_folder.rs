@@ -8,7 +8,6 @@ use anyhow::{Context, bail};
 use device::sii;
 
 use crate::drive::{DriveConfig, VirtualDrive};
-use crate::flash;
 use crate::segment::VirtualSegment;
 
 /// A memory of a drive.
@@ -33,13 +32,6 @@ impl Memory {
         match self {
             Self::Eeprom => "sii",
             Self::Parameters => "flash",
-        }
-    }
-
-    const fn size(self) -> usize {
-        match self {
-            Self::Eeprom => sii::SIZE,
-            Self::Parameters => flash::SIZE,
         }
     }
 
@@ -135,7 +127,7 @@ impl KeptFolder {
                 memory.name(),
                 file.display(),
                 bytes.len(),
-                memory.size(),
+                SIZE,
                 memory.remedy(&file)
             );
         };
