@@ -9,5 +9,6 @@ mod information;
 mod mapping;
 mod motion;
 mod objects;
+mod parameters;
 mod raw_mailbox;
 mod topology;

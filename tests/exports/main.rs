@@ -144,7 +144,7 @@ fn the_sii_names_mailboxes_sync_managers_and_fmmus_alike() {
 #[test]
 fn the_pdos_of_the_sii_are_those_of_the_object_dictionary() {
     let image = Image::new();
-    let mut device = device::Device::new(SERIAL);
+    let mut device = device::Device::new(SERIAL, &mut device::NoMemory);
     let mut read = |index: u16, sub: u8| {
         let mut bytes = [0; device::MAX_OBJECT_SIZE];
         let length = device.read_object(index, sub, wire::Nanos(0), &mut bytes).unwrap();

@@ -88,14 +88,14 @@ fn drives_at_the_other_end_of_a_cable() -> Result<(), String> {
 /// The alias is in the drive's file when the program has ended, and the next one starts with it.
 fn an_alias_that_outlasts_the_program() -> Result<(), String> {
     let folder = tempdir().expect("a folder");
-    let eeproms = folder.path().join("eeproms").display().to_string();
-    let options = ["--drives", "2", "--eeprom", &eeproms];
+    let kept = folder.path().join("kept").display().to_string();
+    let options = ["--drives", "2", "--keep", &kept];
     exec(&options, script("pysoem", "set_alias.py", &["77"])?, 100)?.with(0);
     assert_eq!(
-        fs::read(folder.path().join("eeproms/drive-1.sii")).expect("a file"),
+        fs::read(folder.path().join("kept/drive-1.sii")).expect("a file"),
         device::sii::image(1, 77)
     );
-    assert!(!folder.path().join("eeproms/drive-2.sii").exists());
+    assert!(!folder.path().join("kept/drive-2.sii").exists());
 
     let program = super::program::path().display().to_string();
     let scanned = exec(&options, vec![program, "scan".into()], 100)?.with(0);

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes a station alias into the EEPROM of the first drive, with the SOEM master, as configuration tools do.
 
-Usage, for virtual drives that keep their EEPROM in the folder `eeproms`:
-  usr2556e exec --eeprom eeproms -- target/python/bin/python tests/python/set_alias.py 77
+Usage, for virtual drives that keep their EEPROM in the folder `kept`:
+  usr2556e exec --keep kept -- target/python/bin/python tests/python/set_alias.py 77
 """
 
 import os

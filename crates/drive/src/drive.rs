@@ -81,6 +81,11 @@ impl Drive {
         self.modes.synchronize(objects.target_position, cycle);
     }
 
+    /// The saved parameters could not be read at power-up, and the objects have their defaults: fault 0x5530.
+    pub const fn parameters_lost(&mut self) {
+        self.faults.lose_parameters();
+    }
+
     /// Whether the AL state is OP. Leaving OP while the motor is enabled is a fault.
     pub const fn set_network(&mut self, operational: bool) {
         self.operational = operational;

@@ -78,7 +78,7 @@ impl Slave {
             configuration,
             status: AlStatus::default(),
             code: AlStatusCode::None,
-            mailbox: Mailbox::default(),
+            mailbox: Mailbox::at_power_on(),
             servers: Servers::default(),
             process: ProcessData::new(),
             mode: Mode::FreeRun,

@@ -8,6 +8,8 @@ use plant::{Plant, PlantConfig, Turns};
 use wire::Nanos;
 use wire::al::{AlState, AlStatusCode};
 
+use crate::flash::{self, Flash};
+
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
 
@@ -18,6 +20,8 @@ pub struct DriveConfig {
     pub serial: u32,
     /// Contents of the EEPROM; `None` for those of a new unit.
     pub eeprom: Option<[u8; device::sii::SIZE]>,
+    /// Contents of the flash memory for saved parameters; `None` for an erased one, as of a new unit.
+    pub parameters: Option<[u8; flash::SIZE]>,
     /// What the slave controller's local clock shows at power-on, in ns.
     pub clock_offset_ns: u64,
     /// How much the slave controller's clock runs too fast, in parts per billion.
@@ -35,6 +39,7 @@ impl DriveConfig {
         Self {
             serial: number,
             eeprom: None,
+            parameters: None,
             clock_offset_ns: 1_234_567 * u64::from(number),
             clock_ppb: 0,
             ports: 2,
@@ -48,6 +53,7 @@ pub struct VirtualDrive {
     config: DriveConfig,
     chip: Chip,
     device: Device,
+    memory: Flash,
     plant: Plant,
     sensors: Sensors,
     actuators: Actuators,
@@ -66,10 +72,12 @@ impl VirtualDrive {
             clock_ppb: config.clock_ppb,
         };
         let chip = Chip::with_ports(chip, config.ports);
+        let mut memory = config.parameters.map_or_else(Flash::erased, Flash::with);
         let plant = Plant::new(config.plant);
         Self {
             sensors: plant.sensors(),
-            device: Device::new(config.serial),
+            device: Device::new(config.serial, &mut memory),
+            memory,
             actuators: Actuators::default(),
             next_tick: TICK_PERIOD,
             resets: chip.resets(),
@@ -79,14 +87,14 @@ impl VirtualDrive {
         }
     }
 
-    /// Switches the drive off and on again: everything but EEPROM and the place of the axis starts anew.
+    /// Switches the drive off and on again: everything but the EEPROM, the saved parameters and the place of the axis starts anew.
     pub fn power_cycle(&mut self) {
         self.chip.power_cycle();
         self.restart_device();
     }
 
     fn restart_device(&mut self) {
-        self.device = Device::new(self.config.serial);
+        self.device = Device::new(self.config.serial, &mut self.memory);
         self.actuators = Actuators::default();
     }
 
@@ -107,12 +115,12 @@ impl VirtualDrive {
             self.next_tick.0 += TICK_PERIOD.0;
         }
         self.chip.advance(now);
-        self.device.poll(&mut self.chip, now);
+        self.device.poll(&mut self.chip, &mut self.memory, now);
     }
 
     fn tick(&mut self, now: Nanos) {
         self.chip.advance(now);
-        self.actuators = self.device.tick(&mut self.chip, &self.sensors, now);
+        self.actuators = self.device.tick(&mut self.chip, &mut self.memory, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
     }
 
@@ -124,6 +132,11 @@ impl VirtualDrive {
     /// Firmware core and slave stack.
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// The memory of the saved parameters.
+    pub fn memory(&self) -> &Flash {
+        &self.memory
     }
 
     /// Motor, axis and switches.

@@ -13,7 +13,8 @@
 //! | [`master`] | the built-in master |
 //! | [`demo`] | the demonstration |
 //! | [`esi`] | the device description for engineering tools |
-//! | [`eeprom_folder`] | EEPROM contents that outlast the program |
+//! | [`flash`] | the memory of a drive's parameters |
+//! | [`kept_folder`] | EEPROMs and parameters that outlast the program |
 //! | [`status`] | status lines |
 //! | [`program`] | the command line |
 //!
@@ -34,8 +35,9 @@ pub mod clock;
 pub mod control;
 pub mod demo;
 pub mod drive;
-pub mod eeprom_folder;
 pub mod esi;
+pub mod flash;
+pub mod kept_folder;
 pub mod link;
 pub mod master;
 pub mod namespace;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::io;
 
-use device::{Device, MAX_OBJECT_SIZE, identity};
+use device::{Device, MAX_OBJECT_SIZE, NoMemory, identity};
 use dictionary::lookup::objects;
 use dictionary::{DataType, Entry};
 use drive::DriveObjects;
@@ -35,7 +35,7 @@ pub(super) fn profile(xml: &mut Xml) -> io::Result<()> {
         text(xml, "ProfileNo", "402")?;
         element(xml, "Dictionary", |xml| {
             element(xml, "DataTypes", data_types)?;
-            let mut new = New(Device::new(0));
+            let mut new = New(Device::new(0, &mut NoMemory));
             element(xml, "Objects", |xml| {
                 all_objects().try_for_each(|entries| object(xml, entries, &mut new))
             })

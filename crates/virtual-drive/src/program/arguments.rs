@@ -66,9 +66,9 @@ pub struct Served {
     /// Number of drives, each plugged into the one before it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub drives: u16,
-    /// Folder that keeps the drives' EEPROMs, a file each; without it every start is a new unit's
+    /// Folder that keeps the drives' EEPROMs and saved parameters, two files a drive; without it every start is a new unit's
     #[arg(long, value_name = "DIR")]
-    pub eeprom: Option<PathBuf>,
+    pub keep: Option<PathBuf>,
     /// Write every frame to this .pcapng file
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,

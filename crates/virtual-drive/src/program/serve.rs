@@ -15,7 +15,7 @@ use tempfile::TempDir;
 use super::arguments::{Exec, Run, Served};
 use crate::control::{CONTROL_VARIABLE, ControlSocket};
 use crate::drive::DriveConfig;
-use crate::eeprom_folder::EepromFolder;
+use crate::kept_folder::KeptFolder;
 use crate::link::LinkError;
 use crate::link::cards::Cards;
 use crate::link::pcap::Recorder;
@@ -134,30 +134,23 @@ impl fmt::Display for Place<'_> {
     }
 }
 
-/// Drives, the wires to their master, what passed there, who cuts cables, and where the drives' EEPROMs are kept.
+/// Drives, the wires to their master, what passed there, who cuts cables, and the folder that keeps the drives' memories.
 struct Service {
     cards: Box<dyn Cards + Send>,
     recorder: Option<Recorder>,
     control: Option<ControlSocket>,
     segment: VirtualSegment,
-    eeproms: Option<EepromFolder>,
+    kept: Option<KeptFolder>,
 }
 
 impl Service {
     /// Everything that can be wrong with what was typed comes out here, before the first frame.
     fn prepare(served: &Served, place: Place<'_>) -> anyhow::Result<Self> {
         let count = usize::from(served.drives);
-        let eeproms = served
-            .eeprom
-            .as_deref()
-            .map(|folder| EepromFolder::open(folder, count))
-            .transpose()?;
-        let configs = (0..count).map(|position| {
-            let eeprom = eeproms.as_ref().map_or(Ok(None), |folder| folder.load(position))?;
-            Ok(DriveConfig {
-                eeprom,
-                ..DriveConfig::numbered(position)
-            })
+        let kept = served.keep.as_deref().map(|folder| KeptFolder::open(folder, count)).transpose()?;
+        let configs = (0..count).map(|position| match &kept {
+            Some(folder) => folder.load(position),
+            None => Ok(DriveConfig::numbered(position)),
         });
         let configs = configs.collect::<anyhow::Result<Vec<_>>>()?;
         let segment = match place {
@@ -179,19 +172,19 @@ impl Service {
             recorder,
             control: None,
             segment,
-            eeproms,
+            kept,
         })
     }
 
     fn serve(mut self, stop: &AtomicBool, mut show: impl FnMut(&VirtualSegment)) -> anyhow::Result<()> {
-        let eeproms = &mut self.eeproms;
+        let kept = &mut self.kept;
         let mut failure = None;
         let observe = |segment: &VirtualSegment, _| {
-            if let Some(folder) = eeproms
+            if let Some(folder) = kept
                 && let Err(error) = folder.save_rested(segment)
                 && failure.is_none()
             {
-                eprintln!("usr2556e: {error:#}; the drives go on, and their EEPROMs are saved again at the end");
+                eprintln!("usr2556e: {error:#}; the drives go on, and what is kept of them is written again at the end");
                 failure = Some(());
             }
             show(segment);
@@ -201,7 +194,7 @@ impl Service {
             requests: self.control.as_ref().map(ControlSocket::requests),
         };
         let ended: Result<(), LinkError> = server::serve_attended(&mut *self.cards, &mut self.segment, attendants, stop, observe);
-        if let Some(folder) = &mut self.eeproms {
+        if let Some(folder) = &mut self.kept {
             folder.save_all(&self.segment)?;
         }
         if let Some(recorder) = self.recorder {
