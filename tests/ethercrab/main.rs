@@ -10,3 +10,4 @@ mod motion;
 mod objects;
 mod raw_mailbox;
 mod topology;
+mod touch_probe;

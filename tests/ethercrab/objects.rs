@@ -245,7 +245,8 @@ fn what_is_missing_is_refused_and_does_not_pretend() {
             let answer = sdo::write(drive, address.parse().unwrap(), value).await;
             assert_eq!(refusal(answer), Some(AbortCode::CannotStore), "{address}");
         }
-        let answer = sdo::write(drive, "60B8".parse().unwrap(), &[0x11, 0]).await;
+        // Touch probe 1 by a trigger other than its input.
+        let answer = sdo::write(drive, "60B8".parse().unwrap(), &[0x15, 0]).await;
         assert_eq!(refusal(answer), Some(AbortCode::ValueRange));
     });
 }

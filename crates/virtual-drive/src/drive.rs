@@ -11,6 +11,9 @@ use wire::al::{AlState, AlStatusCode};
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
 
+/// Which input the pin of each latch unit is wired to: IN1 and IN2, the fast ones (manual 1.3.1).
+const LATCH_INPUTS: [usize; 2] = [1, 2];
+
 /// What distinguishes one drive of a segment from the next.
 #[derive(Clone, Debug)]
 pub struct DriveConfig {
@@ -106,11 +109,24 @@ impl VirtualDrive {
             self.tick(self.next_tick);
             self.next_tick.0 += TICK_PERIOD.0;
         }
+        self.latch_until(now);
         self.chip.advance(now);
         self.device.poll(&mut self.chip, now);
     }
 
+    /// Shows the latch units the edges up to `now`. The sensors are those of the next tick, so they know them in advance.
+    fn latch_until(&mut self, now: Nanos) {
+        for (unit, number) in LATCH_INPUTS.into_iter().enumerate() {
+            let age = self.sensors.level_ages[number - 1];
+            let edge = Nanos(self.next_tick.0.saturating_sub(age.0));
+            if edge <= now {
+                self.chip.latch(unit, self.sensors.inputs.is_on(number), edge);
+            }
+        }
+    }
+
     fn tick(&mut self, now: Nanos) {
+        self.latch_until(now);
         self.chip.advance(now);
         self.actuators = self.device.tick(&mut self.chip, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
