@@ -12,3 +12,4 @@ mod objects;
 mod parameters;
 mod raw_mailbox;
 mod topology;
+mod touch_probe;

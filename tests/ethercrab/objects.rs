@@ -246,7 +246,8 @@ fn gains_can_be_written_only_while_the_drive_does_not_compute_them() {
 #[test]
 fn what_is_missing_is_refused_and_does_not_pretend() {
     in_preop(async |drive| {
-        let answer = sdo::write(drive, "60B8".parse().unwrap(), &[0x11, 0]).await;
+        // Touch probe 1 by a trigger other than its input.
+        let answer = sdo::write(drive, "60B8".parse().unwrap(), &[0x15, 0]).await;
         assert_eq!(refusal(answer), Some(AbortCode::ValueRange));
     });
 }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use usr2556e::drive::VirtualDrive;
 use usr2556e::segment::VirtualSegment;
 use wire::Nanos;
 use wire::al::AlState;
@@ -55,6 +56,11 @@ impl RawMaster {
             assert_eq!(master.al_status(), (step.code().into(), 0), "on the way to {}", state.name());
         }
         master
+    }
+
+    /// The drive, to lay a hand on it.
+    pub fn drive(&mut self) -> &mut VirtualDrive {
+        &mut self.segment.drives_mut()[0]
     }
 
     /// One datagram in a frame of its own. Returns its data and its working counter; the drive is simulated behind it.

@@ -15,6 +15,7 @@ use crate::power_stage::{Current, Field};
 use crate::power_state::PowerState;
 use crate::profile::{Acceleration, Position, Speed};
 use crate::statusword::{self, TARGET_REACHED, flag};
+use crate::touch_probe::{self, TouchProbes};
 
 /// The firmware core.
 #[derive(Clone, Debug)]
@@ -29,6 +30,7 @@ pub struct Drive {
     motion: Motion,
     current: Current,
     field: Field,
+    probes: TouchProbes,
 }
 
 impl Drive {
@@ -45,6 +47,7 @@ impl Drive {
             motion: Motion::new(),
             current: Current::default(),
             field: Field::new(),
+            probes: TouchProbes::default(),
         }
     }
 
@@ -62,6 +65,7 @@ impl Drive {
         let activity = self.control_power(sensors, controlword, fault_clear, objects);
         let mode_bits = self.act(activity, controlword, objects);
         self.clear_position(objects);
+        self.probes.tick(sensors, &self.signals, &self.motion, objects);
 
         let stage = self.drive_stage(activity, objects);
         let indications = Indications {
@@ -104,7 +108,9 @@ impl Drive {
             (slots::mode, &[mode]) if mode != 0 && Mode::from_object(mode as i8).is_none() => Err(AbortCode::ValueRange),
             // Stops at the limit of current or voltage need a current reserve that is known, as only a closed loop has.
             (slots::quick_stop_option, &[3 | 4, 0]) => Err(AbortCode::ValueRange),
-            (slots::probe_function, &[low, high]) if (low, high) != (0, 0) => Err(AbortCode::ValueRange),
+            (slots::probe_function, &[low, high]) if !touch_probe::is_function(u16::from_le_bytes([low, high])) => {
+                Err(AbortCode::ValueRange)
+            }
             (slots::zero_position, &[1, 0]) if !self.may_clear_position() => Err(AbortCode::DeviceState),
             _ => Ok(()),
         }

@@ -14,6 +14,7 @@
 //! | [`homing`] | the homing methods as tables and their interpreter |
 //! | [`profile`] | trapezoids, interpolation and filter in exact integers |
 //! | `motion` | the commanded axis: profile, filter and position counter |
+//! | `touch_probe` | positions latched by edges of inputs |
 //! | `power_stage` | current and direction of the field |
 //! | `outputs` | digital outputs: function and polarity |
 //! | [`statusword`] | 0x6041 |
@@ -36,6 +37,7 @@ mod power_stage;
 pub mod power_state;
 pub mod profile;
 pub mod statusword;
+mod touch_probe;
 
 pub use drive::Drive;
 pub use modes::Mode;

@@ -13,6 +13,9 @@ use crate::flash::{self, Flash};
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
 
+/// Which input the pin of each latch unit is wired to: IN1 and IN2, the fast ones (manual 1.3.1).
+const LATCH_INPUTS: [usize; 2] = [1, 2];
+
 /// What distinguishes one drive of a segment from the next.
 #[derive(Clone, Debug)]
 pub struct DriveConfig {
@@ -114,11 +117,24 @@ impl VirtualDrive {
             self.tick(self.next_tick);
             self.next_tick.0 += TICK_PERIOD.0;
         }
+        self.latch_until(now);
         self.chip.advance(now);
         self.device.poll(&mut self.chip, &mut self.memory, now);
     }
 
+    /// Shows the latch units the edges up to `now`. The sensors are those of the next tick, so they know them in advance.
+    fn latch_until(&mut self, now: Nanos) {
+        for (unit, number) in LATCH_INPUTS.into_iter().enumerate() {
+            let age = self.sensors.level_ages[number - 1];
+            let edge = Nanos(self.next_tick.0.saturating_sub(age.0));
+            if edge <= now {
+                self.chip.latch(unit, self.sensors.inputs.is_on(number), edge);
+            }
+        }
+    }
+
     fn tick(&mut self, now: Nanos) {
+        self.latch_until(now);
         self.chip.advance(now);
         self.actuators = self.device.tick(&mut self.chip, &mut self.memory, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
@@ -137,6 +153,11 @@ impl VirtualDrive {
     /// The memory of the saved parameters.
     pub fn memory(&self) -> &Flash {
         &self.memory
+    }
+
+    /// The memory of the saved parameters, to break it.
+    pub fn memory_mut(&mut self) -> &mut Flash {
+        &mut self.memory
     }
 
     /// Motor, axis and switches.

@@ -15,6 +15,7 @@ const ERASED: u8 = 0xFF;
 pub struct Flash {
     cells: Box<[u8; SIZE]>,
     writes: u32,
+    broken: bool,
 }
 
 impl Flash {
@@ -23,6 +24,7 @@ impl Flash {
         Self {
             cells: Box::new(cells),
             writes: 0,
+            broken: false,
         }
     }
 
@@ -34,6 +36,16 @@ impl Flash {
     /// The contents.
     pub fn cells(&self) -> &[u8; SIZE] {
         &self.cells
+    }
+
+    /// Breaks the memory: from now on it can be read, but neither written nor erased.
+    pub fn break_down(&mut self) {
+        self.broken = true;
+    }
+
+    /// Whether the memory takes orders.
+    fn check_health(&self) -> Result<(), NorFlashErrorKind> {
+        if self.broken { Err(NorFlashErrorKind::Other) } else { Ok(()) }
     }
 
     /// How often the memory has been written or erased since it was made; wraps. Tells the host when to save it.
@@ -66,6 +78,7 @@ impl NorFlash for Flash {
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), NorFlashErrorKind> {
         check_erase(self, from, to)?;
+        self.check_health()?;
         self.cells[from as usize..to as usize].fill(ERASED);
         self.writes = self.writes.wrapping_add(1);
         Ok(())
@@ -73,6 +86,7 @@ impl NorFlash for Flash {
 
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), NorFlashErrorKind> {
         check_write(self, offset, bytes.len())?;
+        self.check_health()?;
         for (cell, byte) in self.cells[offset as usize..].iter_mut().zip(bytes) {
             *cell &= byte;
         }
