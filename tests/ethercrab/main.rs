@@ -1,10 +1,12 @@
 //! The `ethercrab` master against the virtual drive, in memory and in lock-step.
 
 mod bus;
+mod clocks;
 mod coe;
 mod differences;
 mod homing;
 mod information;
+mod loss;
 mod mapping;
 mod motion;
 mod objects;

@@ -8,12 +8,14 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use std::time::SystemTime;
 
 use anyhow::{Context, bail};
 
 use super::arguments::{Exec, Run, Served};
 use crate::drive::DriveConfig;
 use crate::eeprom_folder::EepromFolder;
+use crate::link::lossy::{Loss, Lossy};
 use crate::link::pcap::Recorder;
 use crate::link::raw::{RawLink, Role};
 use crate::link::udp::UdpLink;
@@ -32,6 +34,7 @@ pub(super) fn run(options: &Run) -> anyhow::Result<()> {
     };
     let service = Service::prepare(&options.served, place)?;
     writeln!(io::stdout(), "Serving {} on {place}; Ctrl-C ends.", plural(options.served.drives))?;
+    service.tell_loss();
     let mut lines = StatusLines::new(options.served.drives.into());
     service.serve(&stop, |segment, traffic| lines.show(segment, traffic))?;
     Ok(())
@@ -41,6 +44,7 @@ pub(super) fn exec(options: &Exec) -> anyhow::Result<ExitCode> {
     // First of all: only a process of one thread can move into a network of its own.
     namespace::enter()?;
     let service = Service::prepare(&options.served, Place::Interface(namespace::DRIVE_INTERFACE))?;
+    service.tell_loss();
     let stop = Arc::new(AtomicBool::new(false));
     let serving = thread::spawn({
         let stop = Arc::clone(&stop);
@@ -64,6 +68,20 @@ fn plural(drives: u16) -> String {
     } else {
         format!("{drives} drives")
     }
+}
+
+/// What is to be lost.
+fn loss(served: &Served) -> Option<Loss> {
+    served.lose.map(|percent| Loss {
+        share: percent / 100.0,
+        seed: served.seed.unwrap_or_else(any_seed),
+    })
+}
+
+/// Another number at each start, short enough to be typed.
+fn any_seed() -> u64 {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    u64::from(now.subsec_nanos())
 }
 
 /// Where drives are served.
@@ -94,6 +112,7 @@ impl fmt::Display for Place<'_> {
 /// Drives, the link to their master, its capture, and where the drives' EEPROMs are kept.
 struct Service {
     link: Box<dyn Link + Send>,
+    loss: Option<Loss>,
     recorder: Option<Recorder>,
     segment: VirtualSegment,
     eeproms: Option<EepromFolder>,
@@ -110,13 +129,18 @@ impl Service {
             .transpose()?;
         let configs = (0..count).map(|position| {
             let eeprom = eeproms.as_ref().map_or(Ok(None), |folder| folder.load(position))?;
-            Ok(DriveConfig {
+            let config = DriveConfig {
                 eeprom,
                 ..DriveConfig::numbered(position)
-            })
+            };
+            Ok(config.drifting(position, served.clock_drift.unwrap_or(0.0)))
         });
         let segment = VirtualSegment::new(configs.collect::<anyhow::Result<Vec<_>>>()?);
-        let link = place.open()?;
+        let mut link = place.open()?;
+        let loss = loss(served);
+        if let Some(loss) = loss {
+            link = Box::new(Lossy::new(link, loss));
+        }
         let create = |file: &PathBuf| {
             Recorder::create(file, &place.to_string()).with_context(|| {
                 format!(
@@ -128,10 +152,22 @@ impl Service {
         let recorder = served.record.as_ref().map(create).transpose()?;
         Ok(Self {
             link,
+            loss,
             recorder,
             segment,
             eeproms,
         })
+    }
+
+    /// Says which frames get lost, on standard error, as the command of `exec` has the standard output.
+    fn tell_loss(&self) {
+        if let Some(loss) = self.loss {
+            eprintln!(
+                "Losing {} % of the frames of each direction; --seed {} loses the same ones again.",
+                loss.share * 100.0,
+                loss.seed
+            );
+        }
     }
 
     fn serve(mut self, stop: &AtomicBool, mut show: impl FnMut(&VirtualSegment, Traffic)) -> anyhow::Result<()> {
