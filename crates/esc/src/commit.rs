@@ -180,7 +180,7 @@ impl Chip {
             activation |= dc_activation::CYCLIC;
         }
         self.registers.set(DC_ACTIVATION, &[activation]);
-        if written != activation && written & dc_activation::DEBUG_PULSE != 0 {
+        if written & dc_activation::DEBUG_PULSE != 0 {
             let events = self.reported(Pulses { sync0: true, sync1: true });
             self.events.raise_at(pass.entered, events);
         }
