@@ -1,11 +1,13 @@
 //! The `ethercrab` master against the virtual drive, in memory and in lock-step.
 
 mod bus;
+mod clocks;
 mod coe;
 mod differences;
 mod eeprom;
 mod homing;
 mod information;
+mod loss;
 mod mapping;
 mod motion;
 mod objects;

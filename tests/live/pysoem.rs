@@ -27,6 +27,13 @@ pub const CASES: &[Case] = &[
     ("an_alias_that_pysoem_writes_outlasts_the_program", || {
         outcome(an_alias_that_outlasts_the_program())
     }),
+    ("eight_drifting_clocks_are_aligned_by_pysoem", || {
+        outcome(faults("align", 8, &["--clock-drift", "100"]))
+    }),
+    ("pysoem_leads_drives_out_of_a_watchdog", || outcome(faults("watchdog", 2, &[]))),
+    ("pysoem_keeps_drives_in_op_over_a_wire_that_loses_frames", || {
+        outcome(faults("loss", 3, &["--lose", "1", "--seed", "1"]))
+    }),
 ];
 
 fn two_sessions_with_one_drive() -> Result<(), String> {
@@ -38,6 +45,14 @@ fn two_sessions_with_one_drive() -> Result<(), String> {
 fn a_session_with_three_drives() -> Result<(), String> {
     let script = script("pysoem", "pysoem_session.py", &["--drives", "3", "--sessions", "1"])?;
     check(exec(&["--drives", "3"], script, 5_000)?, 3);
+    Ok(())
+}
+
+/// What goes wrong on a bus, a part of `tests/python/pysoem_faults.py`.
+fn faults(part: &str, drives: usize, options: &[&str]) -> Result<(), String> {
+    let count = drives.to_string();
+    let script = script("pysoem", "pysoem_faults.py", &["--drives", &count, part])?;
+    check(exec(&[&["--drives", &count], options].concat(), script, 1000)?, drives);
     Ok(())
 }
 

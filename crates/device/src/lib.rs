@@ -155,6 +155,9 @@ const MAPPINGS: [(u16, &[u32]); 6] = {
 /// How long a master waits for SAFEOP and OP by the ESI, in ms.
 pub const OP_TIMEOUT_MS: u32 = 9000;
 
+/// An event of synchronisation waits for the next control tick at the most.
+const REACTION_NS: u32 = board::TICK.0 as u32;
+
 /// What makes the slave stack a USR2556E.
 fn configuration(serial: u32) -> Configuration {
     Configuration {
@@ -175,6 +178,7 @@ fn configuration(serial: u32) -> Configuration {
         },
         process_window: layout::PROCESS_DATA_WINDOW,
         minimum_cycle_ns: layout::MINIMUM_CYCLE_NS,
+        reaction_ns: REACTION_NS,
         op_timeout_ms: OP_TIMEOUT_MS,
         mappings: &MAPPINGS,
         rx_assignment: &layout::RX_ASSIGNMENT,

@@ -21,6 +21,7 @@
 //! | `complete_access` | all entries of an object in one transfer |
 //! | `bits` | values at any bit of an image |
 //! | `sync_parameters` | 0x1C32 and 0x1C33 |
+//! | `timing` | how long events of synchronisation wait |
 //! | `pdo` | PDO mapping and assignment, and the process image made from them |
 //! | `process_data` | sync manager 2 to objects, objects to sync manager 3 |
 //! | `synchronization` | free run, sync manager and SYNC0: choice, sequence check, cycle time |
@@ -53,6 +54,7 @@ mod supervision;
 mod sync_managers;
 mod sync_parameters;
 mod synchronization;
+mod timing;
 mod transitions;
 
 pub use application::Application;

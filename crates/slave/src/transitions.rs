@@ -101,7 +101,7 @@ impl Slave {
 
         self.process.reactivate(esc);
         self.process.start(esc, outputs, inputs, &all);
-        self.last_sync0 = None;
+        (self.last_sync0, self.inputs_due) = (None, None);
         esc.read_u8(register::DC_SYNC0_STATUS);
         self.meter = Default::default();
         // Masters read the inputs right after they see SAFEOP.

@@ -49,6 +49,17 @@ impl DriveConfig {
             plant: PlantConfig::default(),
         }
     }
+
+    /// A clock that drifts, by an amount of its own within `ppm` parts per million either way: the same at each start, another for each
+    /// number of a drive.
+    ///
+    /// The amounts are spread evenly: steps of the golden ratio never come near one another, however many drives there are.
+    pub fn drifting(mut self, position: usize, ppm: f64) -> Self {
+        const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+        let place = (position as f64 + 1.0) * GOLDEN_RATIO % 1.0;
+        self.clock_ppb = ((2.0 * place - 1.0) * ppm * 1000.0) as i32;
+        self
+    }
 }
 
 /// One drive on the wire.

@@ -188,6 +188,11 @@ impl InMemory {
         self.clock.now()
     }
 
+    /// Whether time moves only when somebody waits.
+    pub fn is_lock_step(&self) -> bool {
+        matches!(self.clock, Clock::LockStep(_))
+    }
+
     /// Lets time pass up to `instant` and simulates the drives meanwhile.
     pub fn wait_until(&mut self, instant: Nanos) {
         self.clock.wait_until(instant);

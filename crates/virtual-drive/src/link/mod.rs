@@ -9,6 +9,7 @@
 //! | `interface` | what the system tells about an interface, and the claim of the one drive server on it |
 //! | `sys` | the few system calls `raw` needs and no safe crate offers; the only unsafe code |
 //! | [`open_error`] | why an interface could not be opened, and what to type |
+//! | [`lossy`] | [`lossy::Lossy`]: any link, with frames lost |
 //! | [`udp`] | [`udp::UdpLink`]: EtherCAT frames in UDP packets, without privileges |
 //! | [`wait`] | [`wait::Predictor`]: when the next cyclic frame is due, and whether spinning for it pays |
 //! | [`pcap`] | recording of any link to .pcapng, and reading captures back for replays |
@@ -19,6 +20,7 @@ use std::time::Duration;
 pub mod cards;
 #[cfg(target_os = "linux")]
 mod interface;
+pub mod lossy;
 pub mod open_error;
 pub mod pcap;
 #[cfg(target_os = "linux")]

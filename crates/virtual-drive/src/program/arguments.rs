@@ -72,6 +72,29 @@ pub struct Served {
     /// Write every frame to this .pcapng file
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Let the drives' clocks drift by up to this many parts per million; each drive has a drift of its own between -PPM and +PPM, the same
+    /// at every start. Crystals are within 100 [default: 0]
+    #[arg(long, value_name = "PPM", value_parser = drift)]
+    pub clock_drift: Option<f64>,
+    /// Lose this share of the frames of each direction, to test what the master does then
+    #[arg(long, value_name = "PERCENT", value_parser = percentage)]
+    pub lose: Option<f64>,
+    /// Lose the same frames as the run that named this number [default: others each time]
+    #[arg(long, value_name = "N", requires = "lose")]
+    pub seed: Option<u64>,
+}
+
+fn drift(text: &str) -> Result<f64, String> {
+    within(text, 1000.0)
+}
+
+fn percentage(text: &str) -> Result<f64, String> {
+    within(text, 100.0)
+}
+
+fn within(text: &str, most: f64) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (0.0..=most).contains(number));
+    number.ok_or_else(|| format!("a number from 0 to {most} is needed"))
 }
 
 /// Options of `run`.

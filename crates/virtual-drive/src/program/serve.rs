@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use std::time::SystemTime;
 
 use anyhow::{Context, bail, ensure};
 use tempfile::TempDir;
@@ -18,6 +19,7 @@ use crate::drive::DriveConfig;
 use crate::kept_folder::KeptFolder;
 use crate::link::LinkError;
 use crate::link::cards::Cards;
+use crate::link::lossy::{Loss, LossyCards};
 use crate::link::pcap::Recorder;
 use crate::link::raw::{RawLink, RawPair, Role};
 use crate::link::udp::UdpLink;
@@ -37,6 +39,7 @@ pub(super) fn run(options: &Run) -> anyhow::Result<()> {
     let mut service = Service::prepare(&options.served, place)?;
     service.control = options.control.as_deref().map(ControlSocket::bind).transpose()?;
     writeln!(io::stdout(), "Serving {} on {place}; Ctrl-C ends.", plural(options.served.drives))?;
+    service.tell_loss();
     let mut lines = StatusLines::new(options.served.drives.into());
     service.serve(&stop, |segment| lines.show(segment))?;
     Ok(())
@@ -62,6 +65,7 @@ pub(super) fn exec(options: &Exec) -> anyhow::Result<ExitCode> {
     let control = folder.path().join("control");
     service.control = Some(ControlSocket::bind(&control)?);
     environment.push((CONTROL_VARIABLE, control.as_os_str()));
+    service.tell_loss();
     let stop = Arc::new(AtomicBool::new(false));
     let serving = thread::spawn({
         let stop = Arc::clone(&stop);
@@ -90,6 +94,20 @@ fn plural(drives: u16) -> String {
     } else {
         format!("{drives} drives")
     }
+}
+
+/// What is to be lost.
+fn loss(served: &Served) -> Option<Loss> {
+    served.lose.map(|percent| Loss {
+        share: percent / 100.0,
+        seed: served.seed.unwrap_or_else(any_seed),
+    })
+}
+
+/// Another number at each start, short enough to be typed.
+fn any_seed() -> u64 {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    u64::from(now.subsec_nanos())
 }
 
 /// Where drives are served.
@@ -137,6 +155,7 @@ impl fmt::Display for Place<'_> {
 /// Drives, the wires to their master, what passed there, who cuts cables, and the folder that keeps the drives' memories.
 struct Service {
     cards: Box<dyn Cards + Send>,
+    loss: Option<Loss>,
     recorder: Option<Recorder>,
     control: Option<ControlSocket>,
     segment: VirtualSegment,
@@ -148,16 +167,23 @@ impl Service {
     fn prepare(served: &Served, place: Place<'_>) -> anyhow::Result<Self> {
         let count = usize::from(served.drives);
         let kept = served.keep.as_deref().map(|folder| KeptFolder::open(folder, count)).transpose()?;
-        let configs = (0..count).map(|position| match &kept {
-            Some(folder) => folder.load(position),
-            None => Ok(DriveConfig::numbered(position)),
+        let configs = (0..count).map(|position| {
+            let config = match &kept {
+                Some(folder) => folder.load(position)?,
+                None => DriveConfig::numbered(position),
+            };
+            Ok(config.drifting(position, served.clock_drift.unwrap_or(0.0)))
         });
         let configs = configs.collect::<anyhow::Result<Vec<_>>>()?;
         let segment = match place {
             Place::Ring(_) => VirtualSegment::ring(configs),
             Place::Line(_) | Place::Udp(_) => VirtualSegment::new(configs),
         };
-        let cards = place.open()?;
+        let mut cards = place.open()?;
+        let loss = loss(served);
+        if let Some(loss) = loss {
+            cards = Box::new(LossyCards::new(cards, loss));
+        }
         let create = |file: &Path| {
             place.recorder(file).with_context(|| {
                 format!(
@@ -169,11 +195,23 @@ impl Service {
         let recorder = served.record.as_deref().map(create).transpose()?;
         Ok(Self {
             cards,
+            loss,
             recorder,
             control: None,
             segment,
             kept,
         })
+    }
+
+    /// Says which frames get lost, on standard error, as the command of `exec` has the standard output.
+    fn tell_loss(&self) {
+        if let Some(loss) = self.loss {
+            eprintln!(
+                "Losing {} % of the frames of each direction; --seed {} loses the same ones again.",
+                loss.share * 100.0,
+                loss.seed
+            );
+        }
     }
 
     fn serve(mut self, stop: &AtomicBool, mut show: impl FnMut(&VirtualSegment)) -> anyhow::Result<()> {
