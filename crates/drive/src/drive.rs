@@ -3,6 +3,7 @@
 use board::{Actuators, Milliamps, Nanos, PowerStage, Sensors};
 use dictionary::AbortCode;
 
+use crate::alarm::{Alarm, AlarmLed, Light};
 use crate::controlword::{Controlword, StartEdge};
 use crate::faults::{Fault, Faults};
 use crate::inputs::{Inputs, Signals};
@@ -29,6 +30,7 @@ pub struct Drive {
     motion: Motion,
     current: Current,
     field: Field,
+    alarm_led: AlarmLed,
 }
 
 impl Drive {
@@ -45,6 +47,7 @@ impl Drive {
             motion: Motion::new(),
             current: Current::default(),
             field: Field::new(),
+            alarm_led: AlarmLed::new(),
         }
     }
 
@@ -72,6 +75,7 @@ impl Drive {
         let outputs = outputs::levels(indications, objects);
         objects.output_level = outputs::output_level(outputs);
         self.publish(sensors, mode_bits, objects);
+        self.alarm_led.tick(Alarm::of(self.power.state(), self.faults.latched()));
         Actuators { stage, outputs }
     }
 
@@ -123,6 +127,16 @@ impl Drive {
     /// The fault that waits to be reset.
     pub const fn fault(&self) -> Option<Fault> {
         self.faults.latched()
+    }
+
+    /// What the alarm LED tells.
+    pub const fn alarm(&self) -> Alarm {
+        self.alarm_led.alarm()
+    }
+
+    /// What the alarm LED shows in this tick, for the board to switch it so.
+    pub const fn alarm_light(&self) -> Light {
+        self.alarm_led.light()
     }
 
     /// The commanded position, which in open loop is the motor's.

@@ -11,6 +11,7 @@ use crate::coe::{Answer, Servers};
 use crate::communication_area::CommunicationArea;
 use crate::configuration::{Configuration, MAX_MAILBOX};
 use crate::device_objects::{self, DeviceObjects};
+use crate::indicators::{Leds, Patterns};
 use crate::mailbox::{Mailbox, REQUEST_EVENT};
 use crate::process_data::ProcessData;
 use crate::sync_managers::{INPUTS, OUTPUTS};
@@ -40,6 +41,10 @@ pub struct Slave {
     pub(crate) identifies: bool,
     /// The events that matter in the present state.
     pub(crate) interest: u32,
+    /// What the LEDs are to tell.
+    pub(crate) patterns: Patterns,
+    /// What they show.
+    pub(crate) leds: Leds,
     inputs_due: bool,
     inputs_at: Nanos,
 }
@@ -88,6 +93,8 @@ impl Slave {
             pending_op: None,
             identifies: false,
             interest: AlEvents::AL_CONTROL | AlEvents::SM_ACTIVATION,
+            patterns: Patterns::default(),
+            leds: Leds::default(),
             inputs_due: false,
             inputs_at: Nanos(0),
         }
