@@ -5,6 +5,7 @@ mod coe;
 mod differences;
 mod homing;
 mod information;
+mod leds;
 mod mapping;
 mod motion;
 mod objects;

@@ -24,7 +24,7 @@ use board::{Actuators, Sensors};
 use dictionary::AbortCode;
 use drive::{Drive, DriveObjects};
 pub use slave::MAX_OBJECT_SIZE;
-use slave::{Configuration, Identity, MailboxLimits, Slave, Sync};
+use slave::{Configuration, Identity, Leds, MailboxLimits, Slave, Sync};
 use wire::al::AlState;
 use wire::{EscAccess, Nanos};
 
@@ -93,6 +93,11 @@ impl Device {
             objects: &mut self.objects,
         };
         self.slave.read_object(&application, index, sub, now, out)
+    }
+
+    /// RUN and ERR LED, see [`Slave::leds`]; the alarm LED is [`Drive::alarm_light`].
+    pub fn leds(&mut self, esc: &mut impl EscAccess, now: Nanos) -> Leds {
+        self.slave.leds(esc, now)
     }
 
     /// The slave stack.

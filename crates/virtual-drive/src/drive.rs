@@ -8,6 +8,8 @@ use plant::{Plant, PlantConfig, Turns};
 use wire::Nanos;
 use wire::al::{AlState, AlStatusCode};
 
+use crate::indicators::Indicators;
+
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
 
@@ -52,6 +54,8 @@ pub struct VirtualDrive {
     sensors: Sensors,
     actuators: Actuators,
     next_tick: Nanos,
+    now: Nanos,
+    indicators: Indicators,
     /// The slave controller's resets that the device has followed.
     resets: u32,
 }
@@ -72,6 +76,8 @@ impl VirtualDrive {
             device: Device::new(config.serial),
             actuators: Actuators::default(),
             next_tick: TICK_PERIOD,
+            now: Nanos(0),
+            indicators: Indicators::new(config.ports),
             resets: chip.resets(),
             config,
             chip,
@@ -108,12 +114,27 @@ impl VirtualDrive {
         }
         self.chip.advance(now);
         self.device.poll(&mut self.chip, now);
+        self.now = self.now.max(now);
+        self.light(now);
     }
 
     fn tick(&mut self, now: Nanos) {
         self.chip.advance(now);
         self.actuators = self.device.tick(&mut self.chip, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
+        if now.0.is_multiple_of(LED_PERIOD.0) {
+            self.light(now);
+        }
+    }
+
+    fn light(&mut self, now: Nanos) {
+        let leds = self.device.leds(&mut self.chip, now);
+        self.indicators.update(leds, &self.chip, self.device.drive(), now);
+    }
+
+    /// The instant up to which the drive is simulated.
+    pub fn now(&self) -> Nanos {
+        self.now
     }
 
     /// The slave controller.
@@ -136,6 +157,11 @@ impl VirtualDrive {
         &mut self.plant
     }
 
+    /// The LEDs on the drive's front.
+    pub fn indicators(&self) -> &Indicators {
+        &self.indicators
+    }
+
     /// What a status line shows.
     pub fn status(&self) -> DriveStatus {
         let objects = self.device.objects();
@@ -149,11 +175,15 @@ impl VirtualDrive {
             position: objects.position,
             velocity_rpm: objects.velocity,
             shaft: self.plant.shaft(),
+            indicators: self.indicators,
         }
     }
 }
 
 const TICK_PERIOD: Nanos = Nanos(TICK.0);
+
+/// How often the LEDs are looked after while time passes without a frame.
+const LED_PERIOD: Nanos = Nanos(1_000_000);
 
 impl AsMut<Chip> for VirtualDrive {
     fn as_mut(&mut self) -> &mut Chip {
@@ -182,4 +212,6 @@ pub struct DriveStatus {
     pub velocity_rpm: i32,
     /// Where the shaft really is.
     pub shaft: Turns,
+    /// The LEDs.
+    pub indicators: Indicators,
 }

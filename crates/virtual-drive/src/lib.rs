@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`drive`] | [`drive::VirtualDrive`]: slave controller, device and plant on one time line |
 //! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
+//! | [`indicators`] | the LEDs on a drive's front |
 //! | [`clock`] | real time and lock-step |
 //! | [`link`] | wires: the trait, raw Ethernet on an interface, captures |
 //! | [`server`] | serving a segment to whatever master is on a link |
@@ -32,6 +33,7 @@ pub mod demo;
 pub mod drive;
 pub mod eeprom_folder;
 pub mod esi;
+pub mod indicators;
 pub mod link;
 pub mod master;
 pub mod namespace;
