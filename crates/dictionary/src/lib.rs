@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`entry`] | [`Entry`], [`DataType`], [`Access`]: what is known of an object before anybody reads it |
 //! | [`abort`] | [`AbortCode`]: why an access was refused |
-//! | [`unit`] | units as numbers |
+//! | [`mod@unit`] | units as numbers |
 //! | [`value`] | [`Value`]: Rust types that an object can have, and their bytes |
 //! | [`mod@lookup`] | finding an entry by index and sub-index, walking a dictionary object by object |
 //! | [`check`] | what is verified of a table at compile time |
