@@ -1,4 +1,6 @@
-//! A rig for tests: virtual drives, the `ethercrab` master and lock-step time on one thread.
+//! A rig for tests: virtual drives, the `ethercrab` master and lock-step time on one thread; and a reader of the ESI.
+
+pub mod esi;
 
 use std::cell::RefCell;
 use std::rc::Rc;

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`identity`] | names and numbers: the one table behind 0x1018, SII and ESI |
-//! | [`layout`] | sync managers, FMMUs, default PDOs and clock modes |
+//! | [`layout`] | sync managers, FMMUs, default PDOs, clock modes, time-outs |
 //! | [`sii`] | the EEPROM image made from both |
 //! | `application` | what the slave stack asks of the drive |
 //!
@@ -128,9 +128,6 @@ const MAPPINGS: [(u16, &[u32]); 6] = {
     mappings
 };
 
-/// How long a master waits for SAFEOP and OP by the ESI, in ms.
-pub const OP_TIMEOUT_MS: u32 = 9000;
-
 /// What makes the slave stack a USR2556E.
 fn configuration(serial: u32) -> Configuration {
     Configuration {
@@ -151,7 +148,7 @@ fn configuration(serial: u32) -> Configuration {
         },
         process_window: layout::PROCESS_DATA_WINDOW,
         minimum_cycle_ns: layout::MINIMUM_CYCLE_NS,
-        op_timeout_ms: OP_TIMEOUT_MS,
+        op_timeout_ms: layout::TIMEOUTS.op_ms,
         mappings: &MAPPINGS,
         rx_assignment: &layout::RX_ASSIGNMENT,
         tx_assignment: &layout::TX_ASSIGNMENT,
