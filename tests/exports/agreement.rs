@@ -37,7 +37,7 @@ fn device(esi: &Element) -> &Element {
 }
 
 #[test]
-fn identity() {
+fn all_three_tell_the_same_identity() {
     let (esi, image) = (Element::document(), image());
     let kind = device(&esi).find("Type").unwrap();
     let numbers = [
@@ -61,7 +61,7 @@ fn identity() {
 }
 
 #[test]
-fn sync_managers_and_fmmus() {
+fn all_three_set_up_sync_managers_and_fmmus_alike() {
     let (esi, image) = (Element::document(), image());
     let categories = image.categories();
     let in_sii: Vec<_> = categories[&category::SYNC_MANAGERS]
@@ -130,7 +130,7 @@ fn pdo(element: &Element) -> Pdo {
 }
 
 #[test]
-fn pdos_and_their_assignment() {
+fn all_three_have_the_same_pdos_and_assignment() {
     let (esi, image) = (Element::document(), image());
     in_preop(async |drive| {
         for (tag, kind, assignment) in [("RxPdo", category::RX_PDO, 0x1C12), ("TxPdo", category::TX_PDO, 0x1C13)] {
@@ -173,7 +173,7 @@ fn pdos_that_exclude_each_other_do_so_both_ways_and_are_not_assigned_together() 
 }
 
 #[test]
-fn clock_modes() {
+fn esi_and_sii_offer_the_same_clock_modes() {
     let (esi, image) = (Element::document(), image());
     let modes = device(&esi).all("Dc/OpMode");
     let in_sii = &image.categories()[&category::DC];
@@ -196,7 +196,7 @@ fn clock_modes() {
 }
 
 #[test]
-fn mailbox_protocols_and_eeprom() {
+fn esi_and_sii_announce_the_same_mailbox_and_eeprom() {
     let (esi, image) = (Element::document(), image());
     let general = &image.categories()[&category::GENERAL];
     let mailbox = device(&esi).find("Mailbox").unwrap();
