@@ -7,6 +7,7 @@ mod differences;
 mod eeprom;
 mod homing;
 mod information;
+mod leds;
 mod loss;
 mod mapping;
 mod motion;

@@ -1,5 +1,11 @@
-//! A rig for tests: virtual drives, the `ethercrab` master and lock-step time on one thread; in [`raw`], a master of single datagrams.
+//! A rig for tests: virtual drives, the `ethercrab` master and lock-step time on one thread.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`raw`] | a master of single datagrams |
+//! | [`esi`] | a reader of the ESI |
 
+pub mod esi;
 pub mod raw;
 
 use std::cell::RefCell;

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`identity`] | names and numbers: the one table behind 0x1018, SII and ESI |
-//! | [`layout`] | sync managers, FMMUs, default PDOs and clock modes |
+//! | [`layout`] | sync managers, FMMUs, default PDOs, clock modes, time-outs |
 //! | [`sii`] | the EEPROM image made from both |
 //! | `application` | what the slave stack asks of the drive |
 //! | `parameter_set` | the saved parameters as bytes |
@@ -38,7 +38,7 @@ pub use flash::NoMemory;
 use nor_flash::NorFlash;
 use site_address::SiteAddress;
 pub use slave::MAX_OBJECT_SIZE;
-use slave::{Configuration, Identity, MailboxLimits, Slave, Sync};
+use slave::{Configuration, Identity, Leds, MailboxLimits, Slave, Sync};
 use wire::al::AlState;
 use wire::{EscAccess, Nanos};
 
@@ -124,6 +124,11 @@ impl Device {
         self.slave.read_object(&application, index, sub, now, out)
     }
 
+    /// RUN and ERR LED, see [`Slave::leds`]; the alarm LED is [`Drive::alarm_light`].
+    pub fn leds(&mut self, esc: &mut impl EscAccess, now: Nanos) -> Leds {
+        self.slave.leds(esc, now)
+    }
+
     /// The slave stack.
     pub fn slave(&self) -> &Slave {
         &self.slave
@@ -152,9 +157,6 @@ const MAPPINGS: [(u16, &[u32]); 6] = {
     mappings
 };
 
-/// How long a master waits for SAFEOP and OP by the ESI, in ms.
-pub const OP_TIMEOUT_MS: u32 = 9000;
-
 /// An event of synchronisation waits for the next control tick at the most.
 const REACTION_NS: u32 = board::TICK.0 as u32;
 
@@ -179,7 +181,7 @@ fn configuration(serial: u32) -> Configuration {
         process_window: layout::PROCESS_DATA_WINDOW,
         minimum_cycle_ns: layout::MINIMUM_CYCLE_NS,
         reaction_ns: REACTION_NS,
-        op_timeout_ms: OP_TIMEOUT_MS,
+        op_timeout_ms: layout::TIMEOUTS.op_ms,
         mappings: &MAPPINGS,
         rx_assignment: &layout::RX_ASSIGNMENT,
         tx_assignment: &layout::TX_ASSIGNMENT,

@@ -3,6 +3,7 @@
 use board::{Actuators, Milliamps, Nanos, PowerStage, Sensors};
 use dictionary::AbortCode;
 
+use crate::alarm::{Alarm, AlarmLed, Light};
 use crate::controlword::{Controlword, StartEdge};
 use crate::faults::{Fault, Faults};
 use crate::inputs::{Inputs, Signals};
@@ -31,6 +32,7 @@ pub struct Drive {
     current: Current,
     field: Field,
     probes: TouchProbes,
+    alarm_led: AlarmLed,
 }
 
 impl Drive {
@@ -48,6 +50,7 @@ impl Drive {
             current: Current::default(),
             field: Field::new(),
             probes: TouchProbes::default(),
+            alarm_led: AlarmLed::new(),
         }
     }
 
@@ -76,6 +79,7 @@ impl Drive {
         let outputs = outputs::levels(indications, objects);
         objects.output_level = outputs::output_level(outputs);
         self.publish(sensors, mode_bits, objects);
+        self.alarm_led.tick(Alarm::of(self.power.state(), self.faults.latched()));
         Actuators { stage, outputs }
     }
 
@@ -134,6 +138,16 @@ impl Drive {
     /// The fault that waits to be reset.
     pub const fn fault(&self) -> Option<Fault> {
         self.faults.latched()
+    }
+
+    /// What the alarm LED tells.
+    pub const fn alarm(&self) -> Alarm {
+        self.alarm_led.alarm()
+    }
+
+    /// What the alarm LED shows in this tick, for the board to switch it so.
+    pub const fn alarm_light(&self) -> Light {
+        self.alarm_led.light()
     }
 
     /// The commanded position, which in open loop is the motor's.

@@ -38,6 +38,15 @@ impl Fault {
         }
     }
 
+    /// How often the alarm LED flashes red (manual 1.6); 0 for the network, which has no place in the manual's table and shows in the ERR LED.
+    pub const fn red_flashes(self) -> u8 {
+        match self {
+            Self::Communication => 0,
+            Self::Overvoltage => 2,
+            Self::ParameterStorage => 6,
+        }
+    }
+
     /// The error register 0x1001 while the fault is active (CiA 301).
     pub const fn error_register(self) -> u8 {
         const GENERIC: u8 = 1 << 0;

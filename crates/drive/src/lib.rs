@@ -18,11 +18,13 @@
 //! | `power_stage` | current and direction of the field |
 //! | `outputs` | digital outputs: function and polarity |
 //! | [`statusword`] | 0x6041 |
+//! | [`alarm`] | the alarm LED |
 //!
 //! Nothing here reads a clock, blocks or fails: a tick takes bounded time, and whatever a master writes has a defined effect.
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod alarm;
 pub mod controlword;
 mod drive;
 pub mod faults;
@@ -39,6 +41,7 @@ pub mod profile;
 pub mod statusword;
 mod touch_probe;
 
+pub use alarm::{Alarm, Light};
 pub use drive::Drive;
 pub use modes::Mode;
 pub use objects::{DriveObjects, slots};

@@ -241,6 +241,7 @@ impl Chip {
 
     /// Lets a frame pass through the processing unit.
     pub(crate) fn pass_frame(&mut self, journey: &mut Journey, pass: Pass) {
+        self.ports.last_frame = Some(pass.entered);
         journey.frame[SOURCE_ADDRESS] |= PROCESSED_SOURCE;
         self.protection.begin_frame();
         let mut walk = journey.layout.walk();

@@ -7,7 +7,7 @@
 //! | [`application`] | [`Application`]: what the stack asks of the device |
 //! | [`esm`] | the EtherCAT state machine as a total function of status and request |
 //! | `transitions` | the checked steps of each change of state |
-//! | `indicators` | RUN and ERR LED |
+//! | [`indicators`] | RUN and ERR LED |
 //! | `supervision` | what makes the stack leave a state by itself |
 //! | `sync_managers` | sync managers 0 to 3 and what is required of them |
 //! | `mailbox` | receiving, answering, counting and repeating mailbox messages |
@@ -42,7 +42,7 @@ pub mod configuration;
 mod device_objects;
 mod emergency;
 pub mod esm;
-mod indicators;
+pub mod indicators;
 mod information;
 mod mailbox;
 pub mod objects;
@@ -59,5 +59,6 @@ mod transitions;
 
 pub use application::Application;
 pub use configuration::{Configuration, Identity, MAX_MAILBOX, MAX_OBJECT_SIZE, MAX_PROCESS_DATA, MailboxLimits};
+pub use indicators::Leds;
 pub use objects::{MAX_MAPPING_ENTRIES, PDOS_PER_DIRECTION};
 pub use stack::{Report, Slave, Sync};

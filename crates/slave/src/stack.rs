@@ -11,6 +11,7 @@ use crate::coe::{Answer, Servers};
 use crate::communication_area::CommunicationArea;
 use crate::configuration::{Configuration, MAX_MAILBOX};
 use crate::device_objects::{self, DeviceObjects};
+use crate::indicators::{Leds, Patterns};
 use crate::mailbox::{Mailbox, REQUEST_EVENT};
 use crate::process_data::ProcessData;
 use crate::sync_managers::{INPUTS, OUTPUTS};
@@ -43,6 +44,10 @@ pub struct Slave {
     pub(crate) interest: u32,
     /// The event whose inputs are not ready yet.
     pub(crate) inputs_due: Option<Event>,
+    /// What the LEDs are to tell.
+    pub(crate) patterns: Patterns,
+    /// What they show.
+    pub(crate) leds: Leds,
     inputs_at: Nanos,
 }
 
@@ -91,6 +96,8 @@ impl Slave {
             identifies: false,
             interest: AlEvents::AL_CONTROL | AlEvents::SM_ACTIVATION,
             inputs_due: None,
+            patterns: Patterns::default(),
+            leds: Leds::default(),
             inputs_at: Nanos(0),
         }
     }

@@ -1,12 +1,13 @@
 //! The checked steps of each change of state (ETG.1000.6, local management services).
 
 use wire::al::{AlControl, AlState, AlStatus, AlStatusCode};
+use wire::indicator::Pattern;
 use wire::register;
 use wire::{AlEvents, EscAccess, Nanos};
 
 use crate::application::Application;
 use crate::esm::{self, Decision};
-use crate::indicators::{self, Origin};
+use crate::indicators::{Origin, Patterns};
 use crate::mailbox::REQUEST_EVENT;
 use crate::pdo::Direction;
 use crate::stack::Slave;
@@ -163,7 +164,8 @@ impl Slave {
         } else {
             code.code()
         };
-        esc.write(register::RUN_LED, &[indicators::run(state), indicators::error(code, origin)]);
+        self.patterns = Patterns::new(state, code, origin);
+        esc.write(register::RUN_LED, &[self.patterns.run, self.patterns.err].map(Pattern::to_override));
         esc.write_u16(register::AL_STATUS_CODE, shown);
         esc.write_u16(register::AL_STATUS, self.status.bits());
     }

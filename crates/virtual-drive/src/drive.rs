@@ -9,6 +9,7 @@ use wire::Nanos;
 use wire::al::{AlState, AlStatusCode};
 
 use crate::flash::{self, Flash};
+use crate::indicators::Indicators;
 
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
@@ -72,6 +73,8 @@ pub struct VirtualDrive {
     sensors: Sensors,
     actuators: Actuators,
     next_tick: Nanos,
+    now: Nanos,
+    indicators: Indicators,
     /// The slave controller's resets that the device has followed.
     resets: u32,
 }
@@ -94,6 +97,8 @@ impl VirtualDrive {
             memory,
             actuators: Actuators::default(),
             next_tick: TICK_PERIOD,
+            now: Nanos(0),
+            indicators: Indicators::new(config.ports),
             resets: chip.resets(),
             config,
             chip,
@@ -131,6 +136,8 @@ impl VirtualDrive {
         self.latch_until(now);
         self.chip.advance(now);
         self.device.poll(&mut self.chip, &mut self.memory, now);
+        self.now = self.now.max(now);
+        self.light(now);
     }
 
     /// Shows the latch units the edges up to `now`. The sensors are those of the next tick, so they know them in advance.
@@ -149,6 +156,19 @@ impl VirtualDrive {
         self.chip.advance(now);
         self.actuators = self.device.tick(&mut self.chip, &mut self.memory, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
+        if now.0.is_multiple_of(LED_PERIOD.0) {
+            self.light(now);
+        }
+    }
+
+    fn light(&mut self, now: Nanos) {
+        let leds = self.device.leds(&mut self.chip, now);
+        self.indicators.update(leds, &self.chip, self.device.drive(), now);
+    }
+
+    /// The instant up to which the drive is simulated.
+    pub fn now(&self) -> Nanos {
+        self.now
     }
 
     /// The slave controller.
@@ -181,6 +201,11 @@ impl VirtualDrive {
         &mut self.plant
     }
 
+    /// The LEDs on the drive's front.
+    pub fn indicators(&self) -> &Indicators {
+        &self.indicators
+    }
+
     /// What a status line shows.
     pub fn status(&self) -> DriveStatus {
         let objects = self.device.objects();
@@ -194,11 +219,15 @@ impl VirtualDrive {
             position: objects.position,
             velocity_rpm: objects.velocity,
             shaft: self.plant.shaft(),
+            indicators: self.indicators,
         }
     }
 }
 
 const TICK_PERIOD: Nanos = Nanos(TICK.0);
+
+/// How often the LEDs are looked after while time passes without a frame.
+const LED_PERIOD: Nanos = Nanos(1_000_000);
 
 impl AsMut<Chip> for VirtualDrive {
     fn as_mut(&mut self) -> &mut Chip {
@@ -227,4 +256,6 @@ pub struct DriveStatus {
     pub velocity_rpm: i32,
     /// Where the shaft really is.
     pub shaft: Turns,
+    /// The LEDs.
+    pub indicators: Indicators,
 }

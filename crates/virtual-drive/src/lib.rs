@@ -6,6 +6,7 @@
 //! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
 //! | [`cables`] | the cables of a line or ring, to be cut and repaired |
 //! | [`control`] | orders to them from outside, through a Unix socket |
+//! | [`indicators`] | the LEDs on a drive's front |
 //! | [`clock`] | real time and lock-step |
 //! | [`link`] | wires: the trait, raw Ethernet on an interface, captures |
 //! | [`server`] | serving a segment to whatever master is on a link, or on two |
@@ -37,6 +38,7 @@ pub mod demo;
 pub mod drive;
 pub mod esi;
 pub mod flash;
+pub mod indicators;
 pub mod kept_folder;
 pub mod link;
 pub mod master;

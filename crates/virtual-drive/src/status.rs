@@ -26,7 +26,8 @@ impl fmt::Display for DriveStatus {
         if self.error_code != 0 {
             write!(f, "  error 0x{:04X}", self.error_code)?;
         }
-        Ok(())
+        // By name: drawn as often as this line is, a flashing LED would show flashes that are not its own.
+        write!(f, "  LEDs: {}", self.indicators)
     }
 }
 
@@ -72,11 +73,12 @@ impl StatusLines {
                 self.bars[position].set_message(status.to_string());
             } else {
                 let state = format!(
-                    "{} {} {} {}",
+                    "{} {} {} {} {}",
                     status.al_state.name(),
                     status.al_status_code.code(),
                     status.power_state.name(),
-                    status.mode
+                    status.mode,
+                    status.indicators.without_activity()
                 );
                 if state != self.states[position] {
                     // The drives go on when nobody reads.
