@@ -5,6 +5,7 @@
 //! | [`access`] | [`EscAccess`]: how a slave stack reaches its slave controller |
 //! | [`al`] | states, control, status and status codes of the application layer |
 //! | [`coe`] | the CoE header, SDO services, SDO information and emergencies |
+//! | [`foe`] | file access: requests, data, acknowledgements, errors |
 //! | [`frame`] | Ethernet frames, the EtherCAT header, datagrams and their commands |
 //! | [`mailbox`] | the mailbox header and mailbox errors |
 //! | [`register`] | addresses and bits of the slave controller's registers |
@@ -17,6 +18,7 @@
 pub mod access;
 pub mod al;
 pub mod coe;
+pub mod foe;
 pub mod frame;
 pub mod mailbox;
 pub mod register;
