@@ -14,8 +14,8 @@ const ON: u8 = 0xF;
 /// What an error is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// The master asked for a change of state that was refused.
-    Request,
+    /// The master asked for a state, with this code, and the change was refused.
+    Request(u8),
     /// The device has left a state by itself.
     Device,
 }
@@ -39,7 +39,7 @@ pub(crate) const fn error(code: AlStatusCode, origin: Origin) -> u8 {
             (AlStatusCode::None, _) => OFF,
             (AlStatusCode::SyncManagerWatchdog, _) => DOUBLE_FLASH,
             (AlStatusCode::SynchronizationError | AlStatusCode::FatalSyncError | AlStatusCode::NoSyncSignal, _) => SINGLE_FLASH,
-            (_, Origin::Request) => BLINKING,
+            (_, Origin::Request(_)) => BLINKING,
             (_, Origin::Device) => SINGLE_FLASH,
         }
 }
