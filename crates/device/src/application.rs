@@ -3,12 +3,16 @@
 use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects};
 use drive::faults::Fault;
 use drive::{Drive, DriveObjects};
+use slave::files::{File, FileError, Line};
 use wire::coe::Emergency;
+
+use crate::parameter_file::{self, ParameterFile};
 
 /// The drive's objects, guarded by the drive's present state.
 pub(crate) struct Application<'a> {
     pub(crate) drive: &'a Drive,
     pub(crate) objects: &'a mut DriveObjects,
+    pub(crate) parameter_file: &'a mut ParameterFile,
 }
 
 impl Objects for Application<'_> {
@@ -49,6 +53,26 @@ impl slave::Application for Application<'_> {
     fn restore_defaults(&mut self) -> Result<(), AbortCode> {
         self.refuse_while_moving()?;
         Err(AbortCode::CannotStore)
+    }
+
+    fn files(&self) -> &'static [File] {
+        parameter_file::FILES
+    }
+
+    fn file_line(&self, _: usize, line: usize, out: &mut Line) -> bool {
+        parameter_file::line(self.objects, line, out)
+    }
+
+    fn begin_file(&mut self, _: usize) -> Result<(), FileError> {
+        self.parameter_file.begin(self.drive, self.objects)
+    }
+
+    fn write_file(&mut self, _: usize, data: &[u8]) -> Result<(), FileError> {
+        self.parameter_file.take(data)
+    }
+
+    fn finish_file(&mut self, _: usize) -> Result<(), FileError> {
+        self.parameter_file.finish(self.drive, self.objects)
     }
 }
 

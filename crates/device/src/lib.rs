@@ -5,6 +5,7 @@
 //! | [`identity`] | names and numbers: the one table behind 0x1018, SII and ESI |
 //! | [`layout`] | sync managers, FMMUs, default PDOs and clock modes |
 //! | [`sii`] | the EEPROM image made from both |
+//! | `parameter_file` | saved parameters as a file: backup and restore |
 //! | `application` | what the slave stack asks of the drive |
 //!
 //! [`Device`] runs over any slave controller: the chip in software on a PC, the real one on a board.
@@ -17,12 +18,14 @@ extern crate std;
 mod application;
 pub mod identity;
 pub mod layout;
+mod parameter_file;
 pub mod sii;
 
 use application::Application;
 use board::{Actuators, Sensors};
 use dictionary::AbortCode;
 use drive::{Drive, DriveObjects};
+use parameter_file::ParameterFile;
 pub use slave::MAX_OBJECT_SIZE;
 use slave::{Configuration, Identity, MailboxLimits, Slave, Sync};
 use wire::al::AlState;
@@ -33,6 +36,7 @@ pub struct Device {
     slave: Slave,
     drive: Drive,
     objects: DriveObjects,
+    parameter_file: ParameterFile,
 }
 
 impl Device {
@@ -42,6 +46,7 @@ impl Device {
             slave: Slave::new(configuration(serial)),
             drive: Drive::new(),
             objects: DriveObjects::new(),
+            parameter_file: ParameterFile::new(),
         }
     }
 
@@ -54,6 +59,7 @@ impl Device {
         let application = Application {
             drive: &self.drive,
             objects: &mut self.objects,
+            parameter_file: &mut self.parameter_file,
         };
         self.slave.publish_inputs(esc, &application, now);
         actuators
@@ -70,6 +76,7 @@ impl Device {
         let mut application = Application {
             drive: &self.drive,
             objects: &mut self.objects,
+            parameter_file: &mut self.parameter_file,
         };
         let report = self.slave.poll(esc, &mut application, now);
         self.drive.set_network(report.state == AlState::Op);
@@ -91,6 +98,7 @@ impl Device {
         let application = Application {
             drive: &self.drive,
             objects: &mut self.objects,
+            parameter_file: &mut self.parameter_file,
         };
         self.slave.read_object(&application, index, sub, now, out)
     }

@@ -1,4 +1,4 @@
-//! The profile with the object dictionary: data types, objects, defaults.
+//! The profile with the object dictionary: data types, objects, defaults; and the texts of diagnosis messages.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -8,6 +8,7 @@ use dictionary::lookup::objects;
 use dictionary::{DataType, Entry};
 use drive::DriveObjects;
 use quick_xml::events::BytesText;
+use slave::event_log::{MESSAGES, MessageText};
 use wire::Nanos;
 
 use super::xml::{Xml, digits, element, hex, text};
@@ -29,7 +30,7 @@ impl New {
     }
 }
 
-/// The profile with the object dictionary: data types first, then objects.
+/// The profile with the object dictionary: data types first, then objects. The texts that messages of 0x10F3 name come behind it.
 pub(super) fn profile(xml: &mut Xml) -> io::Result<()> {
     element(xml, "Profile", |xml| {
         text(xml, "ProfileNo", "402")?;
@@ -39,7 +40,18 @@ pub(super) fn profile(xml: &mut Xml) -> io::Result<()> {
             element(xml, "Objects", |xml| {
                 all_objects().try_for_each(|entries| object(xml, entries, &mut new))
             })
+        })?;
+        element(xml, "DiagMessages", |xml| {
+            MESSAGES.iter().try_for_each(|message| diagnosis_message(xml, message))
         })
+    })
+}
+
+fn diagnosis_message(xml: &mut Xml, message: &MessageText) -> io::Result<()> {
+    element(xml, "DiagMessage", |xml| {
+        text(xml, "TextId", &hex(message.id.into()))?;
+        text(xml, "MessageText", message.text)?;
+        element(xml, "Flags", |xml| text(xml, "DiagClass", message.severity.name()))
     })
 }
 
@@ -53,7 +65,13 @@ fn is_record(entries: &[Entry]) -> bool {
 
 /// Basic types that some entry has, then one type for each object with sub-indices.
 fn data_types(xml: &mut Xml) -> io::Result<()> {
-    let mut basic: BTreeSet<(String, u16)> = all_objects().flatten().map(|entry| (type_name(entry), bits(entry))).collect();
+    let mut basic: BTreeSet<(String, u16)> = all_objects()
+        .flatten()
+        .map(|entry| match entry.data_type {
+            DataType::OctetString => (entry.data_type.esi_name().into(), 8),
+            _ => (type_name(entry), bits(entry)),
+        })
+        .collect();
     basic.insert(("USINT".into(), 8));
     for (name, bits) in basic {
         element(xml, "DataType", |xml| {
@@ -61,9 +79,32 @@ fn data_types(xml: &mut Xml) -> io::Result<()> {
             text(xml, "BitSize", &bits.to_string())
         })?;
     }
+    let octets: BTreeSet<usize> = all_objects()
+        .flatten()
+        .filter(|entry| entry.data_type == DataType::OctetString)
+        .map(Entry::size)
+        .collect();
+    octets.into_iter().try_for_each(|size| octet_string(xml, size))?;
     all_objects()
         .filter(|entries| is_record(entries))
         .try_for_each(|entries| record_type(xml, entries))
+}
+
+/// A string of octets is an array in an ESI file.
+fn octet_string(xml: &mut Xml, size: usize) -> io::Result<()> {
+    element(xml, "DataType", |xml| {
+        text(xml, "Name", &octet_string_name(size))?;
+        text(xml, "BaseType", DataType::OctetString.esi_name())?;
+        text(xml, "BitSize", &(8 * size).to_string())?;
+        element(xml, "ArrayInfo", |xml| {
+            text(xml, "LBound", "0")?;
+            text(xml, "Elements", &size.to_string())
+        })
+    })
+}
+
+fn octet_string_name(size: usize) -> String {
+    format!("ARRAY [0..{}] OF {}", size - 1, DataType::OctetString.esi_name())
 }
 
 /// Bits from one object's start to the first entry behind sub-index 0, which is padded to 16 (complete access, ETG.1000.6).
@@ -125,7 +166,7 @@ fn record_defaults(xml: &mut Xml, entries: &[Entry], new: &mut New) -> io::Resul
     sub_default(xml, "SubIndex 000", &new.digits(entries[0].index, 0))?;
     entries.iter().filter(|entry| entry.in_record()).try_for_each(|entry| {
         let value = match new.digits(entry.index, entry.sub) {
-            // Entries behind the count of a mapping or an assignment have no value; ESI wants one.
+            // Entries behind the count of a mapping or an assignment, and messages not there yet, have no value; ESI wants one.
             nothing if nothing.is_empty() => "00".repeat(entry.size()),
             digits => digits,
         };
@@ -179,14 +220,15 @@ fn string(entry: &Entry) -> &'static str {
 }
 
 fn bits(entry: &Entry) -> u16 {
-    match entry.data_type.bits() {
-        Some(bits) => bits.into(),
-        None => 8 * string(entry).len() as u16,
+    match entry.data_type {
+        DataType::VisibleString => 8 * string(entry).len() as u16,
+        _ => entry.bits,
     }
 }
 
 fn type_name(entry: &Entry) -> String {
     match entry.data_type {
+        DataType::OctetString => octet_string_name(entry.size()),
         DataType::VisibleString => format!("STRING({})", string(entry).len()),
         other => other.esi_name().to_owned(),
     }

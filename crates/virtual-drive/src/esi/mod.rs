@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | here | the device: identity, sync managers, PDOs, mailbox, clocks |
-//! | `dictionary` | its object dictionary |
+//! | `dictionary` | its object dictionary, and the texts of its diagnosis messages |
 //! | `xml` | the few shapes of XML that take part |
 
 mod dictionary;
@@ -164,6 +164,7 @@ fn mailbox(xml: &mut Xml) -> io::Result<()> {
                 .with_attribute(("CompleteAccess", "true"))
                 .with_attribute(("SegmentedSdo", "true"))
                 .write_empty()?;
+            xml.create_element("FoE").write_empty()?;
             Ok(())
         })?;
     Ok(())
