@@ -24,6 +24,10 @@ pub const CASES: &[Case] = &[
     ("pysoem_finds_drives_at_the_other_end_of_a_cable", || {
         outcome(drives_at_the_other_end_of_a_cable())
     }),
+    (
+        "pysoem_reads_the_event_log_and_restores_parameters_from_a_file",
+        || outcome(files()),
+    ),
     ("an_alias_that_pysoem_writes_outlasts_the_program", || {
         outcome(an_alias_that_outlasts_the_program())
     }),
@@ -76,6 +80,12 @@ fn two_sessions_with_one_drive() -> Result<(), String> {
 fn a_session_with_three_drives() -> Result<(), String> {
     let script = script("pysoem_session.py", &["--drives", "3", "--sessions", "1"])?;
     check(exec(&["--drives", "3"], script)?, 3);
+    Ok(())
+}
+
+fn files() -> Result<(), String> {
+    let script = script("files.py", &[])?;
+    exec(&[], script)?.with(0).prints(&["OK   everything"]);
     Ok(())
 }
 
