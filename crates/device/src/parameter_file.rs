@@ -195,7 +195,7 @@ impl ParameterFile {
         }
         let stored = self.staged.store(slot, &number.to_le_bytes()[..entry.size()]);
         stored.map_err(|code| self.wrong(format_args!("{}", code.text())))?;
-        self.lines[slot] = self.complete + 1;
+        self.lines[slot] = self.complete.saturating_add(1);
         Ok(())
     }
 
@@ -251,6 +251,7 @@ mod tests {
     use std::format;
     use std::string::String;
 
+    use board::{Millivolts, Sensors};
     use proptest::prelude::*;
 
     use super::*;
@@ -377,6 +378,28 @@ mod tests {
         (objects.position, objects.idle_current) = (77, 9);
         file.finish(&drive, &mut objects).unwrap();
         assert_eq!((objects.peak_current, objects.position, objects.idle_current), (200, 77, 9));
+    }
+
+    #[test]
+    fn a_moving_motor_refuses_a_file_at_its_begin_and_at_its_end() {
+        let (mut drive, mut objects) = (Drive::new(), DriveObjects::new());
+        let mut file = ParameterFile::new();
+        file.begin(&drive, &objects).unwrap();
+        file.take(b"2000:00 = 200").unwrap();
+        drive.set_network(true);
+        (objects.mode, objects.target_velocity, objects.controlword) = (3, 10_000, 0x0F);
+        let sensors = Sensors {
+            bus_voltage: Millivolts(24_000),
+            ..Sensors::default()
+        };
+        for _ in 0..20_000 {
+            drive.tick(&sensors, &mut objects);
+        }
+        assert!(drive.is_moving());
+        let refusal = FileError::new(ErrorCode::AccessDenied, format_args!("the motor moves"));
+        assert_eq!(file.finish(&drive, &mut objects), Err(refusal.clone()));
+        assert_eq!(objects.peak_current, 3000);
+        assert_eq!(file.begin(&drive, &objects), Err(refusal));
     }
 
     proptest! {

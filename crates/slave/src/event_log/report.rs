@@ -67,8 +67,10 @@ mod tests {
 
     #[test]
     fn a_report_has_a_heading_and_a_line_an_event() {
-        let mut log = EventLog::default();
-        log.time = 12_000_000_034;
+        let mut log = EventLog {
+            time: 12_000_000_034,
+            ..EventLog::default()
+        };
         log.add(Event::PowerOn);
         log.add(Event::Fault { code: 0x3110, register: 5 });
         assert_eq!(
