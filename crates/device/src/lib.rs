@@ -29,6 +29,7 @@ use wire::al::AlState;
 use wire::{EscAccess, Nanos};
 
 /// One drive without its slave controller and its power stage.
+#[derive(Clone, Debug)]
 pub struct Device {
     slave: Slave,
     drive: Drive,
