@@ -8,6 +8,8 @@ use std::process::{Child, Command, Stdio};
 
 /// How cargo-fuzz is to build: without a sanitizer, which would need a nightly compiler and finds nothing in safe code.
 const BUILD: [&str; 4] = ["--sanitizer", "none", "--features", "libfuzzer"];
+/// Optimisation across crates would take longer than the run of a minute.
+const NO_LTO: (&str, &str) = ("CARGO_PROFILE_RELEASE_LTO", "off");
 
 /// Targets that run at once.
 const AT_ONCE: usize = 2;
@@ -28,27 +30,20 @@ pub fn seconds(arguments: &[&str]) -> Result<u32, String> {
 /// Builds and runs all targets, each for `seconds`, and prints a line for each; an error names those that found something.
 pub fn run(root: &Path, seconds: u32) -> Result<(), String> {
     let targets = targets(root)?;
-    output(
-        Command::new("cargo")
-            .args(["fuzz", "build"])
-            .args(BUILD)
-            .current_dir(root)
-            .stdout(Stdio::inherit())
-            .stderr(Stdio::inherit()),
-    )
-    .map_err(|error| format!("{error}; cargo install cargo-fuzz brings what is needed, with a C++ compiler"))?;
+    build(root)?;
     let programs = programs(root)?;
     let mut failed = Vec::new();
     for names in targets.chunks(AT_ONCE) {
         let running: Vec<_> = names
             .iter()
-            .map(|name| start(root, &programs, name, seconds).map(|child| (name, child)))
+            .map(|name| start(root, &programs, name, seconds).map(|running| (name, running)))
             .collect::<Result<_, _>>()?;
-        for (name, child) in running {
-            let ended = child.wait_with_output().map_err(|error| format!("{name}: {error}"))?;
-            let log = String::from_utf8_lossy(&ended.stderr);
+        for (name, (mut child, log)) in running {
+            let status = child.wait().map_err(|error| format!("{name}: {error}"))?;
+            let log = fs::read(&log).map_err(|error| format!("{}: {error}", log.display()))?;
+            let log = String::from_utf8_lossy(&log);
             println!("{}", summary(name, &log));
-            if !ended.status.success() {
+            if !status.success() {
                 println!("{}", finding(name, &log));
                 failed.push(name.clone());
             }
@@ -61,10 +56,26 @@ pub fn run(root: &Path, seconds: u32) -> Result<(), String> {
     }
 }
 
+/// Builds the programs of all targets.
+fn build(root: &Path) -> Result<(), String> {
+    let status = Command::new("cargo")
+        .args(["fuzz", "build"])
+        .args(BUILD)
+        .env(NO_LTO.0, NO_LTO.1)
+        .current_dir(root)
+        .status()
+        .map_err(|error| format!("cargo does not start: {error}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err("cargo fuzz build failed".into())
+    }
+}
+
 /// The targets, as cargo-fuzz knows them.
 fn targets(root: &Path) -> Result<Vec<String>, String> {
     let list = output(Command::new("cargo").args(["fuzz", "list"]).current_dir(root))
-        .map_err(|error| format!("{error}; cargo install cargo-fuzz brings what is needed"))?;
+        .map_err(|error| format!("{error}; cargo install cargo-fuzz brings what is needed, with a C++ compiler"))?;
     Ok(list.lines().map(str::to_owned).collect())
 }
 
@@ -79,23 +90,26 @@ fn programs(root: &Path) -> Result<PathBuf, String> {
     Ok(folder.join(host).join("release"))
 }
 
-/// Starts a target over its corpus; what it finds new goes to a folder below the programs'.
-fn start(root: &Path, programs: &Path, name: &str, seconds: u32) -> Result<Child, String> {
+/// Starts a target over its corpus, and tells where its log is. What it finds new goes to a folder below the programs'.
+fn start(root: &Path, programs: &Path, name: &str, seconds: u32) -> Result<(Child, PathBuf), String> {
     let new = programs.join("fuzz-new").join(name);
+    let log = programs.join("fuzz-new").join(format!("{name}.log"));
     let artifacts = root.join("fuzz/artifacts").join(name);
     for folder in [&new, &artifacts] {
         fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
-    Command::new(programs.join(name))
+    let file = fs::File::create(&log).map_err(|error| format!("{}: {error}", log.display()))?;
+    let child = Command::new(programs.join(name))
         .args([&new, &root.join("fuzz/corpus").join(name)])
         .arg(format!("-artifact_prefix={}/", artifacts.display()))
         .arg(format!("-max_total_time={seconds}"))
         .arg(format!("-timeout={SLOW}"))
         .arg(format!("-rss_limit_mb={MEMORY}"))
         .arg("-print_final_stats=1")
-        .stderr(Stdio::piped())
+        .stderr(file)
         .spawn()
-        .map_err(|error| format!("{name} does not start: {error}"))
+        .map_err(|error| format!("{name} does not start: {error}"))?;
+    Ok((child, log))
 }
 
 /// What libFuzzer's log says of a run, in a line.
@@ -117,8 +131,10 @@ fn finding(name: &str, log: &str) -> String {
     let panic: Vec<_> = log.lines().skip_while(|line| !line.contains("panicked at")).take(4).collect();
     match log.lines().find_map(|line| line.split_once("Test unit written to ")) {
         Some((_, input)) => format!(
-            "{}\n  input:  {input}\n  again:  cargo fuzz run {} {name} {input}",
+            "{}\n  input:  {input}\n  again:  {}={} cargo fuzz run {} {name} {input}",
             panic.join("\n"),
+            NO_LTO.0,
+            NO_LTO.1,
             BUILD.join(" ")
         ),
         None => log.to_owned(),
@@ -172,7 +188,7 @@ stat::new_units_added:          7\n";
     fn a_finding_comes_with_its_input_and_the_command_that_repeats_it() {
         let text = finding("sdo", LOG);
         assert!(text.starts_with("thread 'main' panicked at"));
-        assert!(text.ends_with("cargo fuzz run --sanitizer none --features libfuzzer sdo /x/crash-1"));
+        assert!(text.ends_with("LTO=off cargo fuzz run --sanitizer none --features libfuzzer sdo /x/crash-1"));
         assert_eq!(finding("sdo", "cannot open"), "cannot open");
     }
 }

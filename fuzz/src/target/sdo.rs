@@ -12,7 +12,8 @@ use dictionary::{AbortCode, DataType, Entry, MAX_VALUE_SIZE, Objects};
 use drive::DriveObjects;
 use slave::objects::FixedObjects;
 use usr2556e::drive::DriveConfig;
-use wire::coe::Service;
+use wire::coe::{self, SDO_SIZE, Service};
+use wire::mailbox::HEADER_SIZE;
 
 use crate::bring_up;
 use crate::bus::Bus;
@@ -21,8 +22,6 @@ use crate::mail::{self, Letter, Postbox};
 
 /// Steps of an input at the most.
 const MOST_STEPS: usize = 96;
-/// Bytes of a value at the most; there is none as long.
-const MOST_BYTES: usize = 64;
 /// Segments of an upload at the most.
 const MOST_SEGMENTS: usize = 64;
 /// Command of an upload of one entry.
@@ -99,13 +98,13 @@ impl Client {
             4 => {
                 let size = u32::from(input.u8());
                 let request = self.initiate(0x20 | input.u8() & 0x11, input, size.to_le_bytes());
-                let data = value(input);
+                let data = self.value(input);
                 self.ask_about(request, data);
             }
             5 => _ = self.ask_for_segment(0x60 | input.u8() & BIT_4, &[0; 7]),
             6 => {
                 let command = input.u8() & 0x1F;
-                let mut data = value(input).to_vec();
+                let mut data = self.value(input).to_vec();
                 data.resize(data.len().max(7), 0);
                 self.ask_for_segment(command, &data);
             }
@@ -172,6 +171,13 @@ impl Client {
             request[0] = 0x23 | (4 - entry.size() as u8) << 2;
         }
         request
+    }
+
+    /// The bytes of a value, as many as fit a message behind the rest of it.
+    fn value<'a>(&self, input: &mut Input<'a>) -> &'a [u8] {
+        let room = usize::from(self.postbox.length) - HEADER_SIZE - coe::HEADER_SIZE - SDO_SIZE;
+        let length = usize::from(input.u8()) % (room + 1);
+        input.bytes(length)
     }
 
     /// Sends a message and returns what is answered; emergencies may come between.
@@ -290,12 +296,6 @@ fn input_value(command: u8, input: &mut Input<'_>) -> [u8; 4] {
         0x40 => u32::from(input.u16()).to_le_bytes(),
         _ => i32::from(input.u16() as i16).to_le_bytes(),
     }
-}
-
-/// The bytes of a value.
-fn value<'a>(input: &mut Input<'a>) -> &'a [u8] {
-    let length = usize::from(input.u8()) % MOST_BYTES;
-    input.bytes(length)
 }
 
 /// Sees that a value is within the range of its entry.
