@@ -66,8 +66,8 @@ pub fn to_op(bus: &mut Bus) {
 fn reach_everyone(bus: &mut Bus) {
     let count = bus.drives().len();
     for attempt in 0..2 {
-        // Each frame gets at least one drive further.
-        for _ in 0..=count {
+        // Each frame at least opens a port that waits for one, or gets one drive further.
+        for _ in 0..=2 * count {
             bus.write_all(DL_CONTROL, &LOOPS_AUTOMATIC);
         }
         let (reached, _) = bus.read_all::<1>(TYPE);
