@@ -83,7 +83,7 @@ fn mailbox() -> Vec<Vec<u8>> {
 
 /// Uploads, downloads, segments, an abort and SDO information, in each prepared state.
 fn sdo() -> Vec<Vec<u8>> {
-    let transfers: [&[u8]; 9] = [
+    let transfers: [&[u8]; 10] = [
         &[14, 0, 0, 0],
         &[14, 0x10, 5, 0],
         &[1, 0x20, 60, 0, 1],
@@ -92,7 +92,8 @@ fn sdo() -> Vec<Vec<u8>> {
         &[6, 0x01, 7, 1, 2, 3, 4, 5, 6, 7],
         &[7],
         &[8, 1, 9, 3, 0, 10, 3, 0, 0xFF],
-        &[12, 4],
+        &[12, 0],
+        &[13, 4],
     ];
     let every_entry = |from: u8| {
         (from..from.saturating_add(60))

@@ -3,14 +3,22 @@
 use device::layout::SYNC_MANAGERS;
 use wire::EscAccess;
 use wire::al::AlState;
-use wire::register::{AL_CONTROL, AL_STATUS, DL_CONTROL, FMMU, FMMU_SIZE, SM, SM_SIZE, TYPE};
+use wire::register::{
+    AL_CONTROL, AL_STATUS, DL_CONTROL, ESC_WRITE_ENABLE, FMMU, FMMU_SIZE, SM, SM_SIZE, TYPE, WRITE_REGISTER_ENABLE,
+    WRITE_REGISTER_PROTECTION,
+};
 
 use crate::bus::Bus;
 
 /// Acknowledge bit of AL control.
 const ACKNOWLEDGE: u8 = 0x10;
-/// DL control as after power-on: loops follow the links.
-const LOOPS_AUTOMATIC: [u8; 4] = [0x01, 0x00, 0x07, 0x00];
+/// What ends write protection, both enables before what they enable; and the DL control of after power-on, by which loops follow the links.
+const UNLOCKED_AND_OPEN: [(u16, &[u8]); 4] = [
+    (WRITE_REGISTER_ENABLE, &[1]),
+    (ESC_WRITE_ENABLE, &[1, 0]),
+    (WRITE_REGISTER_PROTECTION, &[0]),
+    (DL_CONTROL, &[0x01, 0x00, 0x07, 0x00]),
+];
 /// Loop control of port 0 that closes it for good.
 const CLOSED: u8 = 0b11;
 /// How long a drive may take for a change of state, in ns.
@@ -61,14 +69,14 @@ pub fn to_op(bus: &mut Bus) {
     assert_state(bus, AlState::Op);
 }
 
-/// Undoes what closed loops do to the way of frames. A drive whose port towards the master was closed for good can be reached no more,
+/// Ends write protection, and undoes what closed loops do to the way of frames. A drive whose port towards the master was closed for good can be reached no more,
 /// here as with a real one; it is switched off and on.
 fn reach_everyone(bus: &mut Bus) {
     let count = bus.drives().len();
     for attempt in 0..2 {
         // Each frame at least opens a port that waits for one, or gets one drive further.
         for _ in 0..=2 * count {
-            bus.write_all(DL_CONTROL, &LOOPS_AUTOMATIC);
+            bus.write_all_at_once(&UNLOCKED_AND_OPEN);
         }
         let (reached, _) = bus.read_all::<1>(TYPE);
         if reached == count {

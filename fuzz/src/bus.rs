@@ -85,19 +85,37 @@ impl Bus {
     /// was sent, and returns the working counter; `None` if the frame is lost.
     pub fn ask(&mut self, command: Command, address: u32, data: &mut [u8]) -> Option<u16> {
         let mut buffer = [0; MOST_BYTES];
-        let mut builder = FrameBuilder::new(&mut buffer, SOURCE).expect("there is room for a header");
-        builder
-            .datagram(command, 0, address, data)
-            .expect("a plain master's datagrams fit a frame");
+        let frame = self.send(&mut buffer, [(command, address, &*data)])?;
+        let answer = Layout::of(frame)?.walk().next(frame)?;
+        data.copy_from_slice(answer.data());
+        Some(answer.working_counter())
+    }
+
+    /// Sends a frame from the primary card, and lets the drives see to it. Returns what comes back, at whichever card.
+    fn send<'b, 'd>(
+        &mut self,
+        buffer: &'b mut [u8; MOST_BYTES],
+        datagrams: impl IntoIterator<Item = (Command, u32, &'d [u8])>,
+    ) -> Option<&'b [u8]> {
+        let mut builder = FrameBuilder::new(buffer, SOURCE).expect("there is room for a header");
+        for (command, address, data) in datagrams {
+            let added = builder.datagram(command, 0, address, data);
+            added.expect("a plain master's datagrams fit a frame");
+        }
         let length = builder.finish();
         let frame = &mut buffer[..length];
         let (processed, exit) = self.pass(Side::Primary, frame);
         self.wait(FRAME_TIME);
         exit?;
         assert_eq!(processed, Processed::Returned);
-        let answer = Layout::of(frame)?.walk().next(frame)?;
-        data.copy_from_slice(answer.data());
-        Some(answer.working_counter())
+        Some(frame)
+    }
+
+    /// Writes several registers of every drive with one frame, which may be lost.
+    pub fn write_all_at_once(&mut self, registers: &[(u16, &[u8])]) {
+        let datagrams = registers.iter();
+        let datagrams = datagrams.map(|&(register, data)| (Command::Bwr, physical_address(0, register), data));
+        self.send(&mut [0; MOST_BYTES], datagrams);
     }
 
     /// Writes the same to every drive; how many took it.

@@ -11,6 +11,9 @@ pub const CASES: &[Case] = &[
         done(a_missing_interface_option_is_asked_for)
     }),
     ("no_drives_or_too_many_are_refused", || done(no_drives_or_too_many_are_refused)),
+    ("impossible_drifts_and_losses_are_refused", || {
+        done(impossible_drifts_and_losses_are_refused)
+    }),
     ("a_move_needs_one_target", || done(a_move_needs_one_target)),
     ("an_address_that_is_none_is_refused", || done(an_address_that_is_none_is_refused)),
     ("help_lists_every_command", || done(help_lists_every_command)),
@@ -46,6 +49,21 @@ fn no_drives_or_too_many_are_refused() {
     }
 }
 
+fn impossible_drifts_and_losses_are_refused() {
+    for (option, value) in [
+        ("--clock-drift", "-1"),
+        ("--clock-drift", "1001"),
+        ("--clock-drift", "NaN"),
+        ("--lose", "100.1"),
+        ("--lose", "some"),
+    ] {
+        run(["run", "--interface", "lo", &format!("{option}={value}")])
+            .with(2)
+            .says(&[option, value, "a number from 0 to"]);
+    }
+    run(["run", "--interface", "lo", "--seed", "1"]).with(2).says(&["--lose"]);
+}
+
 fn a_move_needs_one_target() {
     run(["move", "--interface", "lo"]).with(2).says(&["--to", "--by"]);
     run(["move", "--interface", "lo", "--to", "1", "--by", "1"])
@@ -61,7 +79,16 @@ fn an_address_that_is_none_is_refused() {
 }
 
 fn help_lists_every_command() {
-    run(["--help"])
-        .with(0)
-        .prints(&["run", "exec", "scan", "sdo", "move", "esi", "sii", "--output", "--lock-step"]);
+    run(["--help"]).with(0).prints(&[
+        "run",
+        "exec",
+        "cable",
+        "scan",
+        "sdo",
+        "move",
+        "esi",
+        "sii",
+        "--output",
+        "--lock-step",
+    ]);
 }

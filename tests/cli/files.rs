@@ -1,4 +1,4 @@
-//! The demonstration, exports, EEPROM files and captures.
+//! The demonstration, exports, kept files and captures.
 
 use std::fs;
 use std::io::pipe;
@@ -7,7 +7,7 @@ use std::path::Path;
 use tempfile::tempdir;
 
 use super::Case;
-use super::program::{command, done, end_of, run, with_exec};
+use super::program::{beside_drives, command, done, end_of, run, with_exec};
 
 pub const CASES: &[Case] = &[
     ("the_demonstration_is_the_same_each_time", || {
@@ -28,8 +28,14 @@ pub const CASES: &[Case] = &[
     ("a_bad_eeprom_file_is_told_and_left_as_it_is", || {
         done(a_bad_eeprom_file_is_told_and_left_as_it_is)
     }),
-    ("an_eeprom_folder_that_cannot_be_made_is_told", || {
-        done(an_eeprom_folder_that_cannot_be_made_is_told)
+    ("a_parameter_file_of_wrong_size_is_told_and_left_as_it_is", || {
+        done(a_parameter_file_of_wrong_size_is_told_and_left_as_it_is)
+    }),
+    ("saved_parameters_outlast_the_program", || {
+        with_exec(saved_parameters_outlast_the_program)
+    }),
+    ("a_folder_to_keep_that_cannot_be_made_is_told", || {
+        done(a_folder_to_keep_that_cannot_be_made_is_told)
     }),
     ("a_capture_that_cannot_be_written_is_told", || {
         with_exec(a_capture_that_cannot_be_written_is_told)
@@ -136,29 +142,97 @@ fn a_bad_eeprom_file_is_told_and_left_as_it_is() {
     ] {
         fs::write(&bad, contents).unwrap();
         // Told before the interface is looked for, which is not there.
-        run([
-            "run",
-            "--interface",
-            "no-such-one",
-            "--drives",
-            "2",
-            "--eeprom",
-            text(folder.path()),
-        ])
-        .with(1)
-        .says(&[text(&bad), reason, "nothing was changed", "usr2556e sii --output"]);
+        run(["run", "--interface", "no-such-one", "--drives", "2", "--keep", text(folder.path())])
+            .with(1)
+            .says(&[text(&bad), reason, "nothing was changed", "usr2556e sii --output"]);
         assert_eq!(fs::read(&bad).unwrap(), contents);
         assert_eq!(fs::read(&good).unwrap(), image);
     }
 }
 
-fn an_eeprom_folder_that_cannot_be_made_is_told() {
+fn a_parameter_file_of_wrong_size_is_told_and_left_as_it_is() {
+    let folder = tempdir().unwrap();
+    let file = folder.path().join("drive-1.flash");
+    for size in [0, 100, usr2556e::flash::SIZE + 1] {
+        fs::write(&file, vec![7; size]).unwrap();
+        let reason = format!("is {size} bytes long instead of {}", usr2556e::flash::SIZE);
+        run(["run", "--interface", "no-such-one", "--keep", text(folder.path())])
+            .with(1)
+            .says(&[text(&file), &reason, "nothing was changed; move it away"]);
+        assert_eq!(fs::read(&file).unwrap(), vec![7; size]);
+    }
+}
+
+/// Saved in one run and read in the next, for the second drive only; then damaged, which the drive itself tells.
+fn saved_parameters_outlast_the_program() {
+    let folder = tempdir().unwrap();
+    let kept = folder.path().join("kept");
+    let options = ["--drives", "2", "--keep", text(&kept)];
+    let save = r#"set -e
+        "$USR2556E" sdo --drive 2 write 2000 2500
+        "$USR2556E" sdo --drive 2 write 2151 1
+        "$USR2556E" sdo --drive 2 write 2150 4660
+        "$USR2556E" sdo --drive 2 write 1010:1 1
+        "$USR2556E" sdo --drive 2 write 2000 2600"#;
+    beside_drives(&options, save).with(0);
+    let files = || {
+        let mut names: Vec<_> = fs::read_dir(&kept).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(files(), ["drive-2.flash"]);
+
+    let show = r#"set -e; for drive in 1 2; do for object in 2000 2150 603F; do "$USR2556E" sdo --drive $drive read $object; done; done"#;
+    let values = || -> Vec<String> {
+        let ended = beside_drives(&options, show).with(0);
+        ended
+            .out
+            .lines()
+            .filter_map(|line| line.rsplit(" = ").next())
+            .map(String::from)
+            .collect()
+    };
+    assert_eq!(
+        values(),
+        [
+            "3000 (0x0BB8)",
+            "0 (0x0000)",
+            "0 (0x0000)",
+            "2500 (0x09C4)",
+            "4660 (0x1234)",
+            "0 (0x0000)"
+        ]
+    );
+    assert_eq!(files(), ["drive-2.flash"], "starting and reading change no file");
+
+    let file = kept.join("drive-2.flash");
+    let mut contents = fs::read(&file).unwrap();
+    let index = contents
+        .windows(2)
+        .position(|bytes| bytes == 0x2150_u16.to_le_bytes())
+        .expect("0x2150 is saved");
+    contents[index] ^= 1;
+    fs::write(&file, contents).unwrap();
+    assert_eq!(
+        values(),
+        [
+            "3000 (0x0BB8)",
+            "0 (0x0000)",
+            "0 (0x0000)",
+            "3000 (0x0BB8)",
+            "0 (0x0000)",
+            "21808 (0x5530)"
+        ]
+    );
+}
+
+fn a_folder_to_keep_that_cannot_be_made_is_told() {
     let folder = tempdir().unwrap();
     let file = folder.path().join("file");
     fs::write(&file, "mine").unwrap();
-    run(["run", "--interface", "no-such-one", "--eeprom", text(&file)])
+    run(["run", "--interface", "no-such-one", "--keep", text(&file)])
         .with(1)
-        .says(&[text(&file), "--eeprom DIR"]);
+        .says(&[text(&file), "--keep DIR"]);
     assert_eq!(fs::read(&file).unwrap(), b"mine");
 }
 

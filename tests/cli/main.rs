@@ -6,9 +6,11 @@
 //! | [`files`] | the demonstration, exports, EEPROM files, captures |
 //! | [`arguments`] | what cannot be meant |
 //! | [`network`] | interfaces and privileges |
+//! | [`cables`] | rings, and cables that are cut |
 //! | [`exec`] | commands in a network of their own |
 
 mod arguments;
+mod cables;
 mod exec;
 mod files;
 mod network;
@@ -21,7 +23,7 @@ use program::Outcome;
 type Case = (&'static str, fn() -> Outcome);
 
 fn main() -> std::process::ExitCode {
-    let cases = [arguments::CASES, files::CASES, network::CASES, exec::CASES].concat();
+    let cases = [arguments::CASES, files::CASES, network::CASES, exec::CASES, cables::CASES].concat();
     let trials = cases.into_iter().map(|(name, case)| Trial::ignorable_test(name, case)).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

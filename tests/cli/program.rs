@@ -14,10 +14,13 @@ pub fn path() -> &'static Path {
     Path::new(env!("CARGO_BIN_EXE_usr2556e-under-test"))
 }
 
-/// The program with arguments, to be started.
+/// The program with arguments, to be started. What it starts finds the program in `$USR2556E`.
 pub fn command<S: AsRef<OsStr>>(arguments: impl IntoIterator<Item = S>) -> Command {
     let mut command = Command::new(path());
-    command.args(arguments).stdin(Stdio::null()).env_remove("USR2556E_INTERFACE");
+    command.args(arguments).stdin(Stdio::null()).env("USR2556E", path());
+    for variable in ["USR2556E_INTERFACE", "USR2556E_CONTROL"] {
+        command.env_remove(variable);
+    }
     command
 }
 
@@ -80,10 +83,9 @@ pub fn end_of(command: &mut Command) -> Ended {
     command.output().unwrap_or_else(|error| panic!("{command:?}: {error}")).into()
 }
 
-/// Runs a shell script beside virtual drives, with `$USR2556E` for the program.
+/// Runs a shell script beside virtual drives.
 pub fn beside_drives(options: &[&str], script: &str) -> Ended {
-    let mut command = command(["exec"].iter().chain(options).chain(&["--", "sh", "-c", script]));
-    end_of(command.env("USR2556E", path()))
+    run(["exec"].iter().chain(options).chain(&["--", "sh", "-c", script]))
 }
 
 /// Why the system forbids networks of one's own, if that is what `usr2556e exec` has ended with.

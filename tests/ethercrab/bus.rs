@@ -207,17 +207,3 @@ fn a_power_cycle_in_op_is_seen_by_the_master() {
     });
     assert_eq!(rig.look(0, |drive| drive.status().al_state), AlState::Init);
 }
-
-#[test]
-fn eeprom_writes_last_over_a_power_cycle() {
-    let rig = Rig::new(1);
-    rig.in_preop(async |main, _, mut group| {
-        let mut drive = group.iter_mut(main).next().unwrap();
-        drive.set_alias_address(0x1234).await.unwrap();
-    });
-    rig.touch(0, |drive| drive.power_cycle());
-    rig.in_preop(async |main, _, group| {
-        assert_eq!(group.iter(main).next().unwrap().alias_address(), 0x1234);
-    });
-    rig.look(0, |drive| assert!(wire::sii::is_intact(drive.chip().eeprom())));
-}

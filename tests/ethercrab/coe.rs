@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use ethercrab::subdevice_group::PreOp;
 use ethercrab::{Command, MainDevice, SubIndex};
+use rig::esi::Element;
 use rig::{CYCLE, Rig};
 use usr2556e::master::Pace;
 use usr2556e::master::axis::{Axis, Exchange, Operating};
@@ -13,36 +14,30 @@ use usr2556e::master::sdo::{self, Bytes};
 
 use crate::raw_mailbox::{fetch, send};
 
-/// The text between two tags behind `start`, and what follows it.
-fn element<'a>(text: &'a str, tag: &str) -> Option<(&'a str, &'a str)> {
-    let (open, close) = (format!("<{tag}>"), format!("</{tag}>"));
-    let start = text.find(&open)? + open.len();
-    let end = start + text[start..].find(&close)?;
-    Some((&text[start..end], &text[end + close.len()..]))
-}
-
 /// An entry in the ESI's data type of an object: sub-index, bits, bit offset.
 type Member = (u8, usize, usize);
 
-/// The ESI's data types of objects with sub-indices.
+/// The ESI's data types of objects with sub-indices; an array is its elements.
 fn layouts() -> Vec<(u16, Vec<Member>)> {
-    let esi = usr2556e::esi::document().unwrap();
-    let (mut types, _) = element(&esi, "DataTypes").unwrap();
-    let mut layouts = Vec::new();
-    while let Some((kind, rest)) = element(types, "DataType") {
-        types = rest;
-        let (name, _) = element(kind, "Name").unwrap();
-        let Some(index) = name.strip_prefix("DT") else { continue };
-        let mut items = kind;
-        let mut members = Vec::new();
-        while let Some((item, rest)) = element(items, "SubItem") {
-            items = rest;
-            let number = |tag| element(item, tag).unwrap().0.parse::<usize>().unwrap();
-            members.push((number("SubIdx") as u8, number("BitSize"), number("BitOffs")));
+    let esi = Element::document();
+    let types = esi.all("Descriptions/Devices/Device/Profile/Dictionary/DataTypes/DataType");
+    let members = |item: &&Element| -> Vec<Member> {
+        let (bits, offset) = (item.number("BitSize") as usize, item.number("BitOffs") as usize);
+        if item.find("SubIdx").is_some() {
+            return vec![(item.number("SubIdx") as u8, bits, offset)];
         }
-        layouts.push((u16::from_str_radix(index, 16).unwrap(), members));
-    }
-    layouts
+        let array = types.iter().find(|kind| kind.text("Name") == item.text("Type")).unwrap();
+        let count = array.number("ArrayInfo/Elements") as usize;
+        (0..count).map(|n| (n as u8 + 1, bits / count, offset + n * bits / count)).collect()
+    };
+    let objects = types.iter().filter(|kind| kind.find("ArrayInfo").is_none());
+    objects
+        .filter_map(|kind| {
+            let index = kind.text("Name").strip_prefix("DT")?;
+            let index = u16::from_str_radix(index, 16).unwrap();
+            Some((index, kind.all("SubItem").iter().flat_map(members).collect()))
+        })
+        .collect()
 }
 
 #[test]

@@ -3,15 +3,21 @@
 //! | module | holds |
 //! |---|---|
 //! | [`pysoem`] | SOEM through Python |
+//! | [`kickcat`] | KickCAT through Python |
+//! | [`python`] | what masters in Python have in common |
+//! | [`ring`] | SOEM, and cables that are cut |
 //! | [`built_in`] | the program's own master |
 //! | [`tshark`] | what Wireshark thinks of the frames |
 //! | [`cable`] | a virtual cable between interfaces of this machine |
 
 mod built_in;
 mod cable;
+mod kickcat;
 #[path = "../cli/program.rs"]
 mod program;
 mod pysoem;
+mod python;
+mod ring;
 mod tshark;
 
 use libtest_mimic::{Arguments, Trial};
@@ -21,7 +27,7 @@ use program::Outcome;
 type Case = (&'static str, fn() -> Outcome);
 
 fn main() -> std::process::ExitCode {
-    let cases = [pysoem::CASES, built_in::CASES, tshark::CASES].concat();
+    let cases = [pysoem::CASES, ring::CASES, kickcat::CASES, built_in::CASES, tshark::CASES].concat();
     let trials = cases.into_iter().map(|(name, case)| Trial::ignorable_test(name, case)).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

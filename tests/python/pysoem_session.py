@@ -21,12 +21,9 @@ except ImportError:
 
 import motion
 import objects
-from segment import DEFAULT_INPUTS, DEFAULT_OUTPUTS, Layout, Segment
+from process_data import DEFAULT_INPUTS, DEFAULT_OUTPUTS, OTHER_INPUTS, OTHER_OUTPUTS
+from segment import Segment
 from verdict import Failure, expect_equal, ok
-
-# A mapping other than the default, with profile velocity in the outputs and error code in the inputs.
-OTHER_OUTPUTS = Layout([(0x6040, 16), (0x6060, 8), (0x607A, 32), (0x6081, 32)], "HbiI")
-OTHER_INPUTS = Layout([(0x6041, 16), (0x6061, 8), (0x6064, 32), (0x60FD, 32), (0x603F, 16)], "HbiIH")
 
 SYNC_MANAGER, SYNC0 = 1, 2
 

@@ -1,15 +1,9 @@
 """A segment of drives behind one interface, through the SOEM master."""
 
-import struct
-import time
-
 import pysoem
 
+from process_data import DEFAULT_INPUTS, DEFAULT_OUTPUTS, NAME, PRODUCT, REVISION, VENDOR, Cyclic
 from verdict import Failure, expect, expect_equal
-
-# Identity of the USR2556E as SII words 8 to 13 and object 0x1018 state it.
-NAME = "USR2556E"
-VENDOR, PRODUCT, REVISION = 0x0000_0A88, 0x0A88_0001, 0x0000_0204
 
 # How long a drive may take for a state change, in us: the longest time-out of its ESI file is 9 s.
 STATE_TIMEOUT = 10_000_000
@@ -18,45 +12,23 @@ FRAME_TIMEOUT = 500_000
 SERVICE_TIMEOUT = 2_000_000
 # The process data watchdog, in ms: ten times the default, for the same reason.
 WATCHDOG = 1000.0
-# Cycles that may pass before something expected is given up.
-PATIENCE = 5000
 
 STATE_NAMES = {1: "INIT", 2: "PREOP", 3: "BOOT", 4: "SAFEOP", 8: "OP"}
 
 
-class Layout:
-    """What the process data of one drive holds: entries of (index, bits) and the struct format that reads them."""
+class Segment(Cyclic):
+    """The master with all its drives, which are told the same. With a second interface, it is the master of a ring."""
 
-    def __init__(self, entries, form):
-        self.entries = entries
-        self.form = "<" + form
-        self.size = struct.calcsize(self.form)
-
-    def mapping(self):
-        """The entries as a mapping object holds them; all of them at sub-index 0."""
-        return [index << 16 | bits for index, bits in self.entries]
-
-
-DEFAULT_OUTPUTS = Layout([(0x6040, 16), (0x6060, 8), (0x607A, 32)], "Hbi")
-DEFAULT_INPUTS = Layout([(0x6041, 16), (0x6061, 8), (0x6064, 32), (0x60FD, 32)], "HbiI")
-
-
-class Segment:
-    """The master with all its drives, which are told the same."""
-
-    def __init__(self, interface, period_ns):
+    def __init__(self, interface, period_ns, redundant=None):
+        super().__init__(period_ns)
         self.interface = interface
-        self.period = period_ns
-        self.outputs = DEFAULT_OUTPUTS
-        self.inputs = DEFAULT_INPUTS
         self.with_clocks = False
         timeouts = pysoem.settings.timeouts
         timeouts.ret = timeouts.safe = FRAME_TIMEOUT
         timeouts.eeprom = timeouts.tx_mailbox = timeouts.rx_mailbox = SERVICE_TIMEOUT
         self.master = pysoem.Master()
         self.master.sdo_read_timeout = self.master.sdo_write_timeout = SERVICE_TIMEOUT
-        self.master.open(interface)
-        self.next_cycle = time.monotonic_ns()
+        self.master.open(interface, redundant)
 
     def close(self):
         """Gives the interface back."""
@@ -141,52 +113,35 @@ class Segment:
             reason = f"got {drive.state:#x}, AL status code {drive.al_status:#06x} {pysoem.al_status_code_to_string(drive.al_status)}"
             expect(drive.state == state, f"slave {number} is in {STATE_NAMES[state]}", reason)
 
-    def write(self, *values):
-        """Sets the outputs of every drive."""
-        for drive in self.drives:
-            drive.output = struct.pack(self.outputs.form, *values)
+    def set_outputs(self, drive, image):
+        """What a drive gets with the next exchange."""
+        drive.output = image
 
-    def write_each(self, rows):
-        """Sets the outputs of the drives, one row of values each."""
-        for drive, row in zip(self.drives, rows):
-            drive.output = struct.pack(self.outputs.form, *row)
+    def inputs_of(self, drive):
+        """What a drive has given with the last exchange."""
+        return drive.input
 
-    def read(self):
-        """The inputs of the drives, one tuple of values each."""
-        return [struct.unpack(self.inputs.form, drive.input) for drive in self.drives]
-
-    def cycle(self, checked=True):
-        """Exchanges process data once, at the segment's period, and answers the inputs."""
+    def count(self, timeout=FRAME_TIMEOUT):
+        """Exchanges process data once, at the segment's period, and answers the working counter."""
         self.pace()
+        self.master.send_processdata()
+        return self.master.receive_processdata(timeout)
+
+    def exchange(self, checked):
+        """Exchanges process data once, and checks the working counter if asked to."""
         self.master.send_processdata()
         counter = self.master.receive_processdata(FRAME_TIMEOUT)
         if checked and counter != self.master.expected_wkc:
             self.explain(counter)
-        return self.read()
-
-    def cycle_until(self, condition, what):
-        """Exchanges process data until the inputs of every drive meet the condition."""
-        for _ in range(PATIENCE):
-            if all(condition(row) for row in self.cycle()):
-                expect(True, what)
-                return
-        rows = [[f"{value:#x}" for value in row] for row in self.read()]
-        raise Failure(f"{what}: not within {PATIENCE} cycles, inputs {rows}")
 
     def pace(self):
         """Waits for the next cycle; with clocks, half a period after the drives' SYNC0."""
-        self.next_cycle += self.period
         if self.with_clocks:
             error = (self.master.dc_time - self.period // 2) % self.period
             if error > self.period // 2:
                 error -= self.period
             self.next_cycle -= max(-self.period // 100, min(self.period // 100, error // 16))
-        left = self.next_cycle - time.monotonic_ns()
-        if left > 0:
-            time.sleep(left / 1e9)
-        elif left < -self.period:
-            # A late cycle is left out rather than followed by a burst.
-            self.next_cycle = time.monotonic_ns()
+        super().pace()
 
     def explain(self, counter):
         """Raises what a wrong working counter comes from."""

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes a station alias into the EEPROM of the first drive, with the SOEM master, as configuration tools do.
 
-Usage, for virtual drives that keep their EEPROM in the folder `eeproms`:
-  usr2556e exec --eeprom eeproms -- target/python/bin/python tests/python/set_alias.py 77
+Usage, for virtual drives that keep their EEPROM in the folder `kept`:
+  usr2556e exec --keep kept -- target/python/bin/python tests/python/set_alias.py 77
 """
 
 import os
@@ -25,11 +25,15 @@ def checksum(configuration):
 
 
 def write_alias(drive, alias):
-    """Replaces the alias and makes the checksum fit again."""
+    """Replaces the alias, makes the checksum fit again, and reads both back."""
     configuration = bytearray(b"".join(drive.eeprom_read(word)[:2] for word in range(CHECKSUM_WORD)))
     struct.pack_into("<H", configuration, 2 * ALIAS_WORD, alias)
-    drive.eeprom_write(ALIAS_WORD, struct.pack("<H", alias))
-    drive.eeprom_write(CHECKSUM_WORD, struct.pack("<H", checksum(configuration)))
+    for word, value in [(ALIAS_WORD, alias), (CHECKSUM_WORD, checksum(configuration))]:
+        written = struct.pack("<H", value)
+        drive.eeprom_write(word, written)
+        seen = drive.eeprom_read(word)[:2]
+        if seen != written:
+            sys.exit(f"word {word} of the EEPROM reads {seen.hex()} after {written.hex()} was written")
 
 
 def main():

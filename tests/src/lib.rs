@@ -1,4 +1,12 @@
 //! A rig for tests: virtual drives, the `ethercrab` master and lock-step time on one thread.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`raw`] | a master of single datagrams |
+//! | [`esi`] | a reader of the ESI |
+
+pub mod esi;
+pub mod raw;
 
 use std::cell::RefCell;
 use std::rc::Rc;

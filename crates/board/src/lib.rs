@@ -61,6 +61,12 @@ pub struct OutputLevels(pub u8);
 pub struct Sensors {
     /// The six digital inputs.
     pub inputs: InputLevels,
+    /// How long before this measurement each input took its level, IN1 first. It counts for inputs whose level is not that of the
+    /// measurement before, and is [`TICK`] at the most.
+    ///
+    /// Touch probes latch the position at this instant. A board takes it from the input capture of a timer; one without capture leaves
+    /// it 0, and an edge then counts at the measurement that shows it, up to a tick late.
+    pub level_ages: [Nanos; INPUT_COUNT],
     /// The supply at the power stage.
     pub bus_voltage: Millivolts,
     /// Currents in winding A and winding B.

@@ -3,15 +3,19 @@
 use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects};
 use drive::faults::Fault;
 use drive::{Drive, DriveObjects};
+use embedded_storage::nor_flash::NorFlash;
 use wire::coe::Emergency;
 
-/// The drive's objects, guarded by the drive's present state.
-pub(crate) struct Application<'a> {
+use crate::{parameter_set, parameter_store};
+
+/// The drive's objects, guarded by the drive's present state, and the memory for those that can be saved.
+pub(crate) struct Application<'a, M> {
     pub(crate) drive: &'a Drive,
     pub(crate) objects: &'a mut DriveObjects,
+    pub(crate) memory: &'a mut M,
 }
 
-impl Objects for Application<'_> {
+impl<M> Objects for Application<'_, M> {
     fn entries(&self) -> &'static [Entry] {
         DriveObjects::ENTRIES
     }
@@ -26,7 +30,7 @@ impl Objects for Application<'_> {
     }
 }
 
-impl slave::Application for Application<'_> {
+impl<M: NorFlash> slave::Application for Application<'_, M> {
     fn error_register(&self) -> u8 {
         self.drive.fault().map_or(0, Fault::error_register)
     }
@@ -42,17 +46,16 @@ impl slave::Application for Application<'_> {
 
     fn store_parameters(&mut self) -> Result<(), AbortCode> {
         self.refuse_while_moving()?;
-        // There is no memory behind 0x1010 yet; a drive whose memory fails answers the same.
-        Err(AbortCode::CannotStore)
+        parameter_store::save(self.memory, &parameter_set::of(self.objects))
     }
 
     fn restore_defaults(&mut self) -> Result<(), AbortCode> {
         self.refuse_while_moving()?;
-        Err(AbortCode::CannotStore)
+        parameter_store::save(self.memory, &parameter_set::delivery())
     }
 }
 
-impl Application<'_> {
+impl<M> Application<'_, M> {
     /// Parameters are saved and restored at standstill only (manual 2.1.5, 2.1.6).
     fn refuse_while_moving(&self) -> Result<(), AbortCode> {
         if self.drive.is_moving() {

@@ -185,6 +185,58 @@ pub const CLOCK_MODES: [ClockMode; 2] = [
     },
 ];
 
+/// How long a master waits for the device, in ms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Timeouts {
+    /// INIT to PREOP.
+    pub preop_ms: u32,
+    /// PREOP to SAFEOP, SAFEOP to OP.
+    pub op_ms: u32,
+    /// To INIT.
+    pub back_to_init_ms: u32,
+    /// OP to SAFEOP.
+    pub back_to_safeop_ms: u32,
+    /// Until a request is taken out of the mailbox.
+    pub mailbox_request_ms: u32,
+    /// Until the answer lies in the other.
+    pub mailbox_response_ms: u32,
+}
+
+/// The time-outs in the ESI; the device gives up waiting for OP shortly before its own.
+pub const TIMEOUTS: Timeouts = Timeouts {
+    preop_ms: 2000,
+    op_ms: 9000,
+    back_to_init_ms: 5000,
+    back_to_safeop_ms: 200,
+    mailbox_request_ms: 100,
+    mailbox_response_ms: 2000,
+};
+
+/// An SDO download with which a configured master begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InitCommand {
+    /// The change of state before which it is sent: IP, PS or SO.
+    pub transition: &'static str,
+    /// Index of the object.
+    pub index: u16,
+    /// Sub-index.
+    pub sub: u8,
+    /// The value, little-endian.
+    pub data: &'static [u8],
+    /// What it is for.
+    pub comment: &'static str,
+}
+
+/// The downloads in the ESI: cyclic synchronous position, for masters whose axes do not set 0x6060. PDO assignments and mappings
+/// are not among them: masters make those downloads of the PDOs they have chosen.
+pub const INIT_COMMANDS: [InitCommand; 1] = [InitCommand {
+    transition: "PS",
+    index: 0x6060,
+    sub: 0,
+    data: &[8],
+    comment: "Cyclic synchronous position",
+}];
+
 /// Shortest cycle in ns (manual 1.1.1).
 pub const MINIMUM_CYCLE_NS: u32 = 500_000;
 

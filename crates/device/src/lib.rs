@@ -3,11 +3,16 @@
 //! | module | holds |
 //! |---|---|
 //! | [`identity`] | names and numbers: the one table behind 0x1018, SII and ESI |
-//! | [`layout`] | sync managers, FMMUs, default PDOs and clock modes |
+//! | [`layout`] | sync managers, FMMUs, default PDOs, clock modes, time-outs |
 //! | [`sii`] | the EEPROM image made from both |
 //! | `application` | what the slave stack asks of the drive |
+//! | `parameter_set` | the saved parameters as bytes |
+//! | `parameter_store` | the flash that keeps them, whatever happens to the power |
+//! | `flash` | flash memories: none at all, and those that are complete when they return |
+//! | `site_address` | where the station alias comes from |
 //!
-//! [`Device`] runs over any slave controller: the chip in software on a PC, the real one on a board.
+//! [`Device`] runs over any slave controller: the chip in software on a PC, the real one on a board; and over any flash memory that
+//! implements [`nor_flash::NorFlash`], or [`NoMemory`].
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -15,62 +20,85 @@
 extern crate std;
 
 mod application;
+mod flash;
 pub mod identity;
 pub mod layout;
+mod parameter_set;
+mod parameter_store;
 pub mod sii;
+mod site_address;
 
 use application::Application;
 use board::{Actuators, Sensors};
 use dictionary::AbortCode;
 use drive::{Drive, DriveObjects};
+/// What a memory for parameters implements.
+pub use embedded_storage::nor_flash;
+pub use flash::NoMemory;
+use nor_flash::NorFlash;
+use site_address::SiteAddress;
 pub use slave::MAX_OBJECT_SIZE;
-use slave::{Configuration, Identity, MailboxLimits, Slave, Sync};
+use slave::{Configuration, Identity, Leds, MailboxLimits, Slave, Sync};
 use wire::al::AlState;
 use wire::{EscAccess, Nanos};
 
-/// One drive without its slave controller and its power stage.
+/// One drive without its slave controller, its power stage and the memory for its parameters.
+///
+/// The memory is used as a whole: at least four erasable pages of 1 KiB or more, for the parameters alone. It is read at power-on. It is
+/// written only when the master saves or restores parameters, at standstill; [`Device::tick`] or [`Device::poll`] then lasts as long as
+/// the flash takes to write half a kilobyte and now and then to erase a page, and the power stage has to hold its last command meanwhile.
 #[derive(Clone, Debug)]
 pub struct Device {
     slave: Slave,
     drive: Drive,
     objects: DriveObjects,
+    site_address: SiteAddress,
 }
 
 impl Device {
-    /// A device just switched on.
-    pub fn new(serial: u32) -> Self {
+    /// A device just switched on, with the parameters that `memory` holds. If that is damaged, it has those of delivery and fault 0x5530.
+    pub fn new(serial: u32, memory: &mut impl NorFlash) -> Self {
+        let mut drive = Drive::new();
+        let objects = parameter_store::load(memory).unwrap_or_else(|parameter_store::Damaged| {
+            drive.parameters_lost();
+            DriveObjects::new()
+        });
         Self {
             slave: Slave::new(configuration(serial)),
-            drive: Drive::new(),
-            objects: DriveObjects::new(),
+            drive,
+            objects,
+            site_address: SiteAddress::default(),
         }
     }
 
     /// One control tick, every 50 us: bus events, motion, process data for the master.
-    pub fn tick(&mut self, esc: &mut impl EscAccess, sensors: &Sensors, now: Nanos) -> Actuators {
-        let sync = self.exchange(esc, now);
+    pub fn tick(&mut self, esc: &mut impl EscAccess, memory: &mut impl NorFlash, sensors: &Sensors, now: Nanos) -> Actuators {
+        let sync = self.exchange(esc, memory, now);
         let actuators = self.drive.tick(sensors, &mut self.objects);
         // The tick has brought motion up to this instant, at which a new set-point begins: what is published is the end of the old one.
         self.synchronize(sync);
         let application = Application {
             drive: &self.drive,
             objects: &mut self.objects,
+            memory,
         };
         self.slave.publish_inputs(esc, &application, now);
         actuators
     }
 
     /// Answers what the master has asked between two ticks, so that states and mailboxes do not wait for the next one.
-    pub fn poll(&mut self, esc: &mut impl EscAccess, now: Nanos) {
-        let sync = self.exchange(esc, now);
+    pub fn poll(&mut self, esc: &mut impl EscAccess, memory: &mut impl NorFlash, now: Nanos) {
+        let sync = self.exchange(esc, memory, now);
         self.synchronize(sync);
     }
 
     /// Bus events and process data. Returns whether outputs have taken effect.
-    fn exchange(&mut self, esc: &mut impl EscAccess, now: Nanos) -> Option<Sync> {
+    fn exchange(&mut self, esc: &mut impl EscAccess, memory: &mut impl NorFlash, now: Nanos) -> Option<Sync> {
+        self.site_address.settle(esc, &mut self.objects);
         let mut application = Application {
             drive: &self.drive,
             objects: &mut self.objects,
+            memory,
         };
         let report = self.slave.poll(esc, &mut application, now);
         self.drive.set_network(report.state == AlState::Op);
@@ -92,8 +120,14 @@ impl Device {
         let application = Application {
             drive: &self.drive,
             objects: &mut self.objects,
+            memory: &mut NoMemory,
         };
         self.slave.read_object(&application, index, sub, now, out)
+    }
+
+    /// RUN and ERR LED, see [`Slave::leds`]; the alarm LED is [`Drive::alarm_light`].
+    pub fn leds(&mut self, esc: &mut impl EscAccess, now: Nanos) -> Leds {
+        self.slave.leds(esc, now)
     }
 
     /// The slave stack.
@@ -124,8 +158,8 @@ const MAPPINGS: [(u16, &[u32]); 6] = {
     mappings
 };
 
-/// How long a master waits for SAFEOP and OP by the ESI, in ms.
-pub const OP_TIMEOUT_MS: u32 = 9000;
+/// An event of synchronisation waits for the next control tick at the most.
+const REACTION_NS: u32 = board::TICK.0 as u32;
 
 /// What makes the slave stack a USR2556E.
 fn configuration(serial: u32) -> Configuration {
@@ -147,7 +181,8 @@ fn configuration(serial: u32) -> Configuration {
         },
         process_window: layout::PROCESS_DATA_WINDOW,
         minimum_cycle_ns: layout::MINIMUM_CYCLE_NS,
-        op_timeout_ms: OP_TIMEOUT_MS,
+        reaction_ns: REACTION_NS,
+        op_timeout_ms: layout::TIMEOUTS.op_ms,
         mappings: &MAPPINGS,
         rx_assignment: &layout::RX_ASSIGNMENT,
         tx_assignment: &layout::TX_ASSIGNMENT,

@@ -42,6 +42,16 @@ impl DataType {
         }
     }
 
+    /// The smallest and the largest value, as far as an `i64` holds it; `None` for strings.
+    pub const fn range(self) -> Option<(i64, i64)> {
+        match self.bits() {
+            None => None,
+            Some(64) => Some((0, i64::MAX)),
+            Some(bits) if self.is_signed() => Some((-(1 << (bits - 1)), (1 << (bits - 1)) - 1)),
+            Some(bits) => Some((0, (1 << bits) - 1)),
+        }
+    }
+
     /// The type's name in an ESI file (ETG.2000); strings carry their length there and are left to the caller.
     pub const fn esi_name(self) -> &'static str {
         match self {
@@ -163,7 +173,7 @@ pub struct Entry {
     pub min: i64,
     /// Largest value that can be written.
     pub max: i64,
-    /// Unit of the value, empty if it has none.
+    /// Unit of the value, empty if it has none; [`crate::unit::code`] makes a number of it.
     pub unit: &'static str,
     /// What it means, and where the manual or a standard says so.
     pub doc: &'static str,

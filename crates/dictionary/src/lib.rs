@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`entry`] | [`Entry`], [`DataType`], [`Access`]: what is known of an object before anybody reads it |
 //! | [`abort`] | [`AbortCode`]: why an access was refused |
+//! | [`mod@unit`] | units as numbers |
 //! | [`value`] | [`Value`]: Rust types that an object can have, and their bytes |
 //! | [`mod@lookup`] | finding an entry by index and sub-index, walking a dictionary object by object |
 //! | [`check`] | what is verified of a table at compile time |
@@ -18,6 +19,7 @@ pub mod check;
 pub mod entry;
 pub mod lookup;
 mod table;
+pub mod unit;
 pub mod value;
 
 pub use abort::AbortCode;

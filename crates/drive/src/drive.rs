@@ -3,6 +3,7 @@
 use board::{Actuators, Milliamps, Nanos, PowerStage, Sensors};
 use dictionary::AbortCode;
 
+use crate::alarm::{Alarm, AlarmLed, Light};
 use crate::controlword::{Controlword, StartEdge};
 use crate::faults::{Fault, Faults};
 use crate::inputs::{Inputs, Signals};
@@ -15,6 +16,7 @@ use crate::power_stage::{Current, Field};
 use crate::power_state::PowerState;
 use crate::profile::{Acceleration, Position, Speed};
 use crate::statusword::{self, TARGET_REACHED, flag};
+use crate::touch_probe::{self, TouchProbes};
 
 /// The firmware core.
 #[derive(Clone, Debug)]
@@ -29,6 +31,8 @@ pub struct Drive {
     motion: Motion,
     current: Current,
     field: Field,
+    probes: TouchProbes,
+    alarm_led: AlarmLed,
 }
 
 impl Drive {
@@ -45,6 +49,8 @@ impl Drive {
             motion: Motion::new(),
             current: Current::default(),
             field: Field::new(),
+            probes: TouchProbes::default(),
+            alarm_led: AlarmLed::new(),
         }
     }
 
@@ -62,6 +68,7 @@ impl Drive {
         let activity = self.control_power(sensors, controlword, fault_clear, objects);
         let mode_bits = self.act(activity, controlword, objects);
         self.clear_position(objects);
+        self.probes.tick(sensors, &self.signals, &self.motion, objects);
 
         let stage = self.drive_stage(activity, objects);
         let indications = Indications {
@@ -72,6 +79,7 @@ impl Drive {
         let outputs = outputs::levels(indications, objects);
         objects.output_level = outputs::output_level(outputs);
         self.publish(sensors, mode_bits, objects);
+        self.alarm_led.tick(Alarm::of(self.power.state(), self.faults.latched()));
         Actuators { stage, outputs }
     }
 
@@ -79,6 +87,11 @@ impl Drive {
     /// 0x607A. `cycle` is the nominal time to the next one; if it is not known, the time since the last one counts.
     pub fn synchronize(&mut self, objects: &DriveObjects, cycle: Option<Nanos>) {
         self.modes.synchronize(objects.target_position, cycle);
+    }
+
+    /// The saved parameters could not be read at power-up, and the objects have their defaults: fault 0x5530.
+    pub const fn parameters_lost(&mut self) {
+        self.faults.lose_parameters();
     }
 
     /// Whether the AL state is OP. Leaving OP while the motor is enabled is a fault.
@@ -99,7 +112,9 @@ impl Drive {
             (slots::mode, &[mode]) if mode != 0 && Mode::from_object(mode as i8).is_none() => Err(AbortCode::ValueRange),
             // Stops at the limit of current or voltage need a current reserve that is known, as only a closed loop has.
             (slots::quick_stop_option, &[3 | 4, 0]) => Err(AbortCode::ValueRange),
-            (slots::probe_function, &[low, high]) if (low, high) != (0, 0) => Err(AbortCode::ValueRange),
+            (slots::probe_function, &[low, high]) if !touch_probe::is_function(u16::from_le_bytes([low, high])) => {
+                Err(AbortCode::ValueRange)
+            }
             (slots::zero_position, &[1, 0]) if !self.may_clear_position() => Err(AbortCode::DeviceState),
             _ => Ok(()),
         }
@@ -123,6 +138,16 @@ impl Drive {
     /// The fault that waits to be reset.
     pub const fn fault(&self) -> Option<Fault> {
         self.faults.latched()
+    }
+
+    /// What the alarm LED tells.
+    pub const fn alarm(&self) -> Alarm {
+        self.alarm_led.alarm()
+    }
+
+    /// What the alarm LED shows in this tick, for the board to switch it so.
+    pub const fn alarm_light(&self) -> Light {
+        self.alarm_led.light()
     }
 
     /// The commanded position, which in open loop is the motor's.

@@ -16,6 +16,8 @@ pub enum Fault {
     Communication,
     /// The bus voltage is too high.
     Overvoltage,
+    /// The saved parameters were lost.
+    ParameterStorage,
 }
 
 impl Fault {
@@ -24,14 +26,24 @@ impl Fault {
         match self {
             Self::Communication => 0x7500,
             Self::Overvoltage => 0x3110,
+            Self::ParameterStorage => 0x5530,
         }
     }
 
-    /// The bit in 0x200E (manual 2.2.14), which has none for the network.
+    /// The bit in 0x200E (manual 2.2.14), which has none for the network and for parameters.
     pub const fn alarm_bit(self) -> u16 {
         match self {
-            Self::Communication => 0x0000,
+            Self::Communication | Self::ParameterStorage => 0x0000,
             Self::Overvoltage => 0x0004,
+        }
+    }
+
+    /// How often the alarm LED flashes red (manual 1.6); 0 for the network, which has no place in the manual's table and shows in the ERR LED.
+    pub const fn red_flashes(self) -> u8 {
+        match self {
+            Self::Communication => 0,
+            Self::Overvoltage => 2,
+            Self::ParameterStorage => 6,
         }
     }
 
@@ -43,6 +55,7 @@ impl Fault {
         match self {
             Self::Communication => GENERIC | COMMUNICATION,
             Self::Overvoltage => GENERIC | VOLTAGE,
+            Self::ParameterStorage => GENERIC,
         }
     }
 }
@@ -53,9 +66,15 @@ pub struct Faults {
     latched: Option<Fault>,
     overvoltage_ticks: u8,
     operational: bool,
+    parameters_lost: bool,
 }
 
 impl Faults {
+    /// The saved parameters were lost, which the next tick makes a fault. They do not get lost a second time: a reset ends it.
+    pub const fn lose_parameters(&mut self) {
+        self.parameters_lost = true;
+    }
+
     /// Looks at a tick's measurements; `enabled` is whether losing the network is a fault. True if a fault is new.
     pub fn observe(&mut self, bus_voltage: Millivolts, operational: bool, enabled: bool) -> bool {
         self.operational = operational;
@@ -70,6 +89,8 @@ impl Faults {
             self.latched = Some(Fault::Overvoltage);
         } else if enabled && !operational {
             self.latched = Some(Fault::Communication);
+        } else if core::mem::take(&mut self.parameters_lost) {
+            self.latched = Some(Fault::ParameterStorage);
         }
         self.latched.is_some()
     }
@@ -120,6 +141,21 @@ mod tests {
         assert!(faults.persists());
         faults.observe(Millivolts(24_000), true, false);
         assert!(!faults.persists());
+    }
+
+    #[test]
+    fn lost_parameters_are_a_fault_until_it_is_reset_and_never_again() {
+        let mut faults = Faults::default();
+        faults.lose_parameters();
+        // Another fault goes first.
+        assert!(faults.observe(Millivolts(24_000), false, true));
+        assert_eq!(faults.latched(), Some(Fault::Communication));
+        faults.reset();
+        assert!(faults.observe(Millivolts(24_000), true, false));
+        assert_eq!(faults.latched(), Some(Fault::ParameterStorage));
+        assert!(!faults.persists());
+        faults.reset();
+        assert!(!faults.observe(Millivolts(24_000), true, false));
     }
 
     #[test]

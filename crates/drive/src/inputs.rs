@@ -15,10 +15,12 @@ enum Function {
     FaultClear,
     EmergencyStop,
     MotorOffline,
+    /// Probe 1 or 2, counted from 0.
+    Probe(usize),
 }
 
 impl Function {
-    /// Values without a function of their own here (probes, unknown ones) are general inputs.
+    /// Unknown values are general inputs.
     const fn from_object(value: u16) -> Self {
         match value {
             1 => Self::CwLimit,
@@ -27,10 +29,15 @@ impl Function {
             4 => Self::FaultClear,
             5 => Self::EmergencyStop,
             6 => Self::MotorOffline,
+            7 => Self::Probe(0),
+            8 => Self::Probe(1),
             _ => Self::General,
         }
     }
 }
+
+/// Number of touch probes.
+pub const PROBES: usize = 2;
 
 /// The signals of all inputs, after filter, polarity and function. Several inputs of one function are combined by or.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,6 +54,12 @@ pub struct Signals {
     pub emergency_stop: bool,
     /// Function 6, motor offline.
     pub offline: bool,
+    /// Which inputs have function 7, probe 1, and function 8, probe 2; bit 0 is IN1.
+    pub probes: [u8; PROBES],
+    /// Which inputs have begun to differ from their filtered level in this tick. The filter may still reject that.
+    pub differing: u8,
+    /// Which inputs' filtered level has changed in this tick.
+    pub changed: u8,
 }
 
 impl Signals {
@@ -81,26 +94,35 @@ pub struct Inputs {
 impl Inputs {
     /// Takes a tick's levels.
     pub fn tick(&mut self, levels: InputLevels, objects: &DriveObjects) -> Signals {
-        let steady = self.filter(levels, objects.input_filter);
+        let before = self.steady.unwrap_or(levels);
+        let (steady, differing) = self.filter(levels, before, objects.input_filter);
         let normally_open = objects.input_polarity as u8;
         let valid = !(steady.0 ^ normally_open) & ((1 << INPUT_COUNT) - 1);
         let mut signals = Signals {
             valid,
+            differing,
+            changed: steady.0 ^ before.0,
             ..Signals::default()
         };
         for (number, function) in functions(objects).into_iter().enumerate() {
-            signals.take(function, valid >> number & 1 == 1);
+            signals.take(function, number, valid >> number & 1 == 1);
         }
         signals
     }
 
-    fn filter(&mut self, levels: InputLevels, ticks: u16) -> InputLevels {
-        let mut steady = self.steady.unwrap_or(levels);
+    /// The levels that follow on `steady`, and which inputs have begun to differ from it.
+    fn filter(&mut self, levels: InputLevels, mut steady: InputLevels, ticks: u16) -> (InputLevels, u8) {
         let differing = levels.0 ^ steady.0;
+        let mut begun = 0;
         for (number, count) in self.differing.iter_mut().enumerate() {
             if differing >> number & 1 == 0 {
                 *count = 0;
-            } else if *count >= ticks {
+                continue;
+            }
+            if *count == 0 {
+                begun |= 1 << number;
+            }
+            if *count >= ticks {
                 steady.0 ^= 1 << number;
                 *count = 0;
             } else {
@@ -108,12 +130,12 @@ impl Inputs {
             }
         }
         self.steady = Some(steady);
-        steady
+        (steady, begun)
     }
 }
 
 impl Signals {
-    fn take(&mut self, function: Function, valid: bool) {
+    fn take(&mut self, function: Function, number: usize, valid: bool) {
         match function {
             Function::General => {}
             Function::CwLimit => {
@@ -131,6 +153,7 @@ impl Signals {
             Function::FaultClear => self.fault_clear |= valid,
             Function::EmergencyStop => self.emergency_stop |= valid,
             Function::MotorOffline => self.offline |= valid,
+            Function::Probe(probe) => self.probes[probe] |= 1 << number,
         }
     }
 }

@@ -14,14 +14,17 @@
 //! | [`homing`] | the homing methods as tables and their interpreter |
 //! | [`profile`] | trapezoids, interpolation and filter in exact integers |
 //! | `motion` | the commanded axis: profile, filter and position counter |
+//! | `touch_probe` | positions latched by edges of inputs |
 //! | `power_stage` | current and direction of the field |
 //! | `outputs` | digital outputs: function and polarity |
 //! | [`statusword`] | 0x6041 |
+//! | [`alarm`] | the alarm LED |
 //!
 //! Nothing here reads a clock, blocks or fails: a tick takes bounded time, and whatever a master writes has a defined effect.
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod alarm;
 pub mod controlword;
 mod drive;
 pub mod faults;
@@ -36,7 +39,9 @@ mod power_stage;
 pub mod power_state;
 pub mod profile;
 pub mod statusword;
+mod touch_probe;
 
+pub use alarm::{Alarm, Light};
 pub use drive::Drive;
 pub use modes::Mode;
 pub use objects::{DriveObjects, slots};

@@ -187,9 +187,11 @@ dictionary::object_dictionary! {
         0x60B1:0 velocity_offset: i32 = 0, RW | RX_PDO, "Velocity offset";
         /// Torque feed-forward of closed-loop drives; without effect in open loop.
         0x60B2:0 torque_offset: i16 = 0, RW | RX_PDO, "Torque offset";
-        /// What the touch probes do (manual 2.3.17).
+        /// What the touch probes do: bit 0 enables probe 1, 1 latches every edge instead of the first, 4 latches rising edges, 5 falling
+        /// ones; bits 8, 9, 12, 13 do so for probe 2 (manual 2.3.17, CiA 402).
         0x60B8:0 probe_function: u16 = 0, RW | RX_PDO | TX_PDO, "Touch Probe Function";
-        /// State of the touch probes (manual 2.3.18).
+        /// State of the touch probes: bit 0 probe 1 is enabled, 1 a rising edge is latched, 2 a falling one; bits 8 to 10 of probe 2
+        /// (manual 2.3.18).
         0x60B9:0 probe_status: u16 = 0, RO | TX_PDO, "Touch Probe Status";
         /// Position at the rising edge of probe 1 (manual 2.3.19).
         0x60BA:0 probe_1_positive: u32 = 0, RO | TX_PDO, unit "Pulse", "Touch Probe Position 1 Positive Value";

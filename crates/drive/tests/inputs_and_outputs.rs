@@ -177,10 +177,6 @@ fn vetoes_that_depend_on_the_state() {
         assert_eq!(rig.download(0x6060, 0, &mode.to_le_bytes()), expected, "{mode}");
     }
     assert_eq!(rig.download(0x6060, 0, &[1, 0]), Err(AbortCode::LengthMismatch));
-    assert_eq!(rig.download(0x60B8, 0, &[0, 0]), Ok(()));
-    for function in [1u16, 0x10, 0x100, 0x3000] {
-        assert_eq!(rig.download(0x60B8, 0, &function.to_le_bytes()), Err(AbortCode::ValueRange));
-    }
     for (option, expected) in [
         (2i16, Ok(())),
         (3, Err(AbortCode::ValueRange)),

@@ -4,6 +4,7 @@ mod rig;
 
 use board::Millivolts;
 use drive::PowerState::*;
+use drive::{Alarm, Light};
 use rig::Rig;
 
 /// A drive that runs at 20 000 pulses/s in PV.
@@ -270,4 +271,31 @@ fn overvoltage_is_a_fault_that_stays_until_the_voltage_is_gone_and_a_reset_seen(
         (SwitchOnDisabled, 0, 0)
     );
     assert_eq!(rig.objects.status_code & 0x23, 0x20);
+}
+
+#[test]
+fn the_alarm_led_tells_whether_the_drive_is_enabled_and_which_fault_it_has() {
+    let mut rig = Rig::new();
+    assert_eq!((rig.drive.alarm(), rig.drive.alarm_light()), (Alarm::Disabled, Light::Green));
+    rig.objects.mode = 3;
+    rig.enable();
+    assert_eq!((rig.drive.alarm(), rig.drive.alarm_light()), (Alarm::Enabled, Light::Green));
+    rig.milliseconds(200);
+    assert_eq!(rig.drive.alarm_light(), Light::Off);
+
+    rig.bus = Millivolts(61_000);
+    rig.until("fault", |rig| rig.state() == Fault);
+    assert_eq!((rig.objects.error_code, rig.drive.alarm()), (0x3110, Alarm::Fault { red: 2 }));
+    rig.bus = Millivolts(24_000);
+    rig.ticks(2);
+    rig.command(0x80);
+    assert_eq!((rig.state(), rig.drive.alarm()), (SwitchOnDisabled, Alarm::Disabled));
+}
+
+#[test]
+fn a_fault_of_the_network_is_not_among_the_alarms() {
+    let mut rig = Rig::enabled(3);
+    rig.drive.set_network(false);
+    rig.until("fault", |rig| rig.state() == Fault);
+    assert_eq!((rig.objects.error_code, rig.drive.alarm()), (0x7500, Alarm::Disabled));
 }

@@ -13,11 +13,12 @@ use crate::fmmu::Fmmus;
 use crate::latch::Latches;
 use crate::memory::MEMORY_BYTES;
 use crate::ports::Ports;
+use crate::protection::WriteProtection;
 use crate::registers::{FMMUS, Registers, SYNC_MANAGERS};
 use crate::reset::ResetSequence;
 use crate::shadow::Shadow;
 use crate::sync_managers::SyncManagers;
-use crate::sync_signal::SyncSignals;
+use crate::sync_signal::{Pulses, SyncSignals};
 use crate::walk::Journey;
 use crate::watchdog::Watchdog;
 
@@ -103,6 +104,7 @@ pub struct Chip {
     /// ECAT events that the present frame takes back.
     pub(crate) acknowledged: u16,
     pub(crate) al_control_locked: bool,
+    pub(crate) protection: WriteProtection,
     pub(crate) ports: Ports,
     pub(crate) latches: Latches,
     /// Progress of the reset sequences at 0x0040 and 0x0041.
@@ -143,6 +145,7 @@ impl Chip {
             ecat_events: 0,
             acknowledged: 0,
             al_control_locked: false,
+            protection: WriteProtection::default(),
             ports: Ports::new(ports),
             latches: Latches::default(),
             reset: [ResetSequence::default(); 2],
@@ -207,14 +210,23 @@ impl Chip {
     fn run_sync_signals(&mut self) {
         let time = self.system_time(self.now);
         let pulses = self.sync_signals.run(time, self.cycles());
+        let events = self.reported(pulses);
+        self.events.raise(events);
+    }
+
+    /// The events that pulses raise: those of signals that the master has switched on and the EEPROM lets the chip report.
+    pub(crate) fn reported(&self, pulses: Pulses) -> u32 {
         let activation = self.registers.u8(DC_ACTIVATION);
         let reported = self.registers.u8(SYNC_LATCH_CONFIGURATION);
-        if pulses.sync0 && activation & dc_activation::SYNC0 != 0 && reported & 1 << 3 != 0 {
-            self.events.raise(AlEvents::SYNC0);
-        }
-        if pulses.sync1 && activation & dc_activation::SYNC1 != 0 && reported & 1 << 7 != 0 {
-            self.events.raise(AlEvents::SYNC1);
-        }
+        let event = |pulse, signal, report, event| {
+            if pulse && activation & signal != 0 && reported & report != 0 {
+                event
+            } else {
+                0
+            }
+        };
+        event(pulses.sync0, dc_activation::SYNC0, 1 << 3, AlEvents::SYNC0)
+            | event(pulses.sync1, dc_activation::SYNC1, 1 << 7, AlEvents::SYNC1)
     }
 
     /// The EEPROM's contents.
@@ -229,7 +241,9 @@ impl Chip {
 
     /// Lets a frame pass through the processing unit.
     pub(crate) fn pass_frame(&mut self, journey: &mut Journey, pass: Pass) {
+        self.ports.last_frame = Some(pass.entered);
         journey.frame[SOURCE_ADDRESS] |= PROCESSED_SOURCE;
+        self.protection.begin_frame();
         let mut walk = journey.layout.walk();
         while let Some(mut datagram) = walk.next_mut(journey.frame) {
             self.execute(pass, &mut datagram);

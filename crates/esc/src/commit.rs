@@ -7,7 +7,7 @@ use crate::chip::{Chip, Pass};
 use crate::live::ecat_event;
 use crate::registers::{Rights, SYNC_MANAGERS};
 use crate::sync_manager::Side;
-use crate::sync_signal::StartRules;
+use crate::sync_signal::{Pulses, StartRules};
 
 /// Groups of counters that a write to any of them clears together.
 const COUNTER_GROUPS: [(u16, u16); 5] = [
@@ -100,6 +100,12 @@ impl Chip {
     fn after_store(&mut self, pass: Pass) {
         let at = pass.entered;
         self.commit_loop_control(at, pass.frame);
+        if self
+            .shadow
+            .any(WRITE_REGISTER_ENABLE, ESC_WRITE_PROTECTION - WRITE_REGISTER_ENABLE + 1)
+        {
+            self.protection.configure(&self.registers);
+        }
         if self.shadow.any(AL_CONTROL, 2) {
             self.al_control_locked = true;
             self.events.raise_at(at, AlEvents::AL_CONTROL);
@@ -168,10 +174,15 @@ impl Chip {
             self.start_time = self.registers.u64(DC_START_TIME);
             self.short_start = !self.shadow.any(DC_START_TIME + 4, 4);
         }
-        let mut activation = self.registers.u8(DC_ACTIVATION);
+        let written = self.registers.u8(DC_ACTIVATION);
+        let mut activation = written & !dc_activation::DEBUG_PULSE;
         if start_written && activation & dc_activation::AUTO != 0 {
             activation |= dc_activation::CYCLIC;
-            self.registers.set(DC_ACTIVATION, &[activation]);
+        }
+        self.registers.set(DC_ACTIVATION, &[activation]);
+        if written & dc_activation::DEBUG_PULSE != 0 {
+            let events = self.reported(Pulses { sync0: true, sync1: true });
+            self.events.raise_at(pass.entered, events);
         }
         match (activation & dc_activation::CYCLIC != 0, self.sync_signals.is_active()) {
             (true, false) => self.start_sync_signals(activation, at),

@@ -99,10 +99,16 @@ impl Chip {
         match place {
             Place::Register => self.ecat_registers(pass, at, data, operation),
             Place::Plain => {
-                operation.apply(data, self.memory_at(at, data.len()));
+                let write = operation.writes() && !self.protection.denies_memory();
+                let memory = self.memory_at(at, data.len());
+                if write {
+                    operation.apply(data, memory);
+                } else {
+                    operation.read(data, memory);
+                }
                 Success {
                     read: operation.reads(),
-                    write: operation.writes(),
+                    write,
                 }
             }
             Place::Buffer { index, offset } => self.ecat_buffer(index, offset, data, operation),
@@ -118,6 +124,7 @@ impl Chip {
 
     fn ecat_buffer(&mut self, index: usize, offset: u16, data: &mut [u8], operation: Operation) -> Success {
         let count = data.len() as u16;
+        let writes = operation.writes() && !self.protection.denies_memory();
         let sm = self.sync_managers.get_mut(index);
         let mut grant = |direction, wanted: bool| {
             if wanted {
@@ -127,7 +134,7 @@ impl Chip {
             }
         };
         let readable = grant(Direction::Read, operation.reads());
-        let writable = grant(Direction::Write, operation.writes());
+        let writable = grant(Direction::Write, writes);
         match (readable, writable) {
             (Some(at), Some(_)) => operation.apply(data, self.memory_at(at, data.len())),
             (Some(at), None) => operation.read(data, self.memory_at(at, data.len())),
@@ -157,6 +164,7 @@ impl Chip {
                 *byte = 0;
             }
             if operation.writes() && self.ecat_may_write(address, rights) {
+                self.protection.written(address as u16, written);
                 self.shadow.set(address, written);
                 success.write = true;
             }
@@ -169,7 +177,10 @@ impl Chip {
 
     /// Whether the bus may write the register byte at `address` now.
     fn ecat_may_write(&self, address: usize, rights: Rights) -> bool {
-        rights.ecat_writes() && (!rights.is_conditional() || self.condition_of_ecat_write(address as u16))
+        let address = address as u16;
+        rights.ecat_writes()
+            && !self.protection.denies_register(address)
+            && (!rights.is_conditional() || self.condition_of_ecat_write(address))
     }
 
     fn condition_of_ecat_write(&self, address: u16) -> bool {
@@ -193,10 +204,12 @@ impl Chip {
                 let may = self.ecat_may_write(register, Rights::at(register));
                 if may {
                     let old = self.shadow.get(register as u16).unwrap_or(self.registers.0[register]);
+                    self.protection.written(register as u16, value & mask);
                     self.shadow.set(register, old & !mask | value & mask);
                 }
                 may
             }
+            Place::Plain | Place::Buffer { .. } if self.protection.denies_memory() => false,
             Place::Plain => {
                 let byte = &mut self.memory_at(address, 1)[0];
                 *byte = *byte & !mask | value & mask;

@@ -17,6 +17,7 @@
 //! | `sync_manager` | one sync manager: three-buffer exchange and mailbox |
 //! | `buffers` | the three buffers' change of hands |
 //! | `registers` | the register file and its access rights |
+//! | `protection` | write protection of registers and memory |
 //! | `shadow` | register writes that wait for the frame's end |
 //! | `commit` | what written registers do at the frame's end |
 //! | `live` | registers whose value is computed when they are read |
@@ -27,8 +28,6 @@
 //! | `sync_signal` | SYNC0 and SYNC1 |
 //! | `latch` | the latch units: times of edges of an input |
 //! | `reset` | reset by register |
-//!
-//! Not there: write protection (0x0020 to 0x0031, which are reserved), UDP encapsulation.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -49,6 +48,7 @@ mod logical;
 mod memory;
 mod pdi;
 mod ports;
+mod protection;
 mod registers;
 mod reset;
 mod shadow;

@@ -82,9 +82,13 @@ impl Chip {
         };
         self.registers.set(DC_START_TIME, &sync0.to_le_bytes());
         self.registers.set(DC_NEXT_SYNC1, &sync1.to_le_bytes());
-        let events = self.events.visible();
-        let status = [wire::AlEvents::SYNC0, wire::AlEvents::SYNC1].map(|bit| u8::from(events & bit != 0));
-        self.registers.set(DC_SYNC0_STATUS, &status);
+        let high = signals.high(time, self.cycles(), self.registers.u16(DC_PULSE_LENGTH));
+        let activation = self.registers.u8(DC_ACTIVATION);
+        let status = [
+            high.sync0 && activation & dc_activation::SYNC0 != 0,
+            high.sync1 && activation & dc_activation::SYNC1 != 0,
+        ];
+        self.registers.set(DC_SYNC0_STATUS, &status.map(u8::from));
     }
 
     /// The ECAT event request.

@@ -119,6 +119,11 @@ impl Chip {
                 self.events.acknowledge(event);
             }
         }
+        for (index, register) in [DC_SYNC0_STATUS, DC_SYNC1_STATUS].into_iter().enumerate() {
+            if touches(first, count, register, 1) {
+                self.sync_signals.acknowledge(index);
+            }
+        }
     }
 
     fn pdi_write_registers(&mut self, first: u16, data: &[u8]) {

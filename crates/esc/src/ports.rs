@@ -15,6 +15,8 @@ pub(crate) const PORTS: usize = 4;
 
 /// How long a temporary loop control lasts, in ns.
 const TEMPORARY_NS: u64 = 1_000_000_000;
+/// How long a frame shows as activity: one period of flickering, in ns.
+const ACTIVITY_NS: u64 = 100_000_000;
 /// Temporary use of the loop control, in the first byte of the DL control.
 const TEMPORARY: u8 = 1 << 1;
 /// Stands for ports that ask for a closer look.
@@ -49,6 +51,8 @@ pub(crate) struct Ports {
     seen: u8,
     arrivals: [Nanos; PORTS],
     latched: u64,
+    /// When a frame came by last, whichever port it came to.
+    pub(crate) last_frame: Option<Nanos>,
 }
 
 impl Ports {
@@ -67,6 +71,7 @@ impl Ports {
             seen: 0,
             arrivals: [Nanos(0); PORTS],
             latched: 0,
+            last_frame: None,
         }
     }
 
@@ -185,6 +190,17 @@ impl Chip {
         }
     }
 
+    /// Whether a port's link LED is on: there is a cable with something at its other end.
+    pub fn has_link(&self, port: usize) -> bool {
+        port < self.ports.count && self.ports.has_link(port)
+    }
+
+    /// Whether a port's activity LED flickers at `now`: it has a link, its loop is open, and a frame came by within the last 100 ms.
+    pub fn is_active(&self, port: usize, now: Nanos) -> bool {
+        let recent = self.ports.last_frame.is_some_and(|last| now.since(last) < ACTIVITY_NS);
+        recent && self.has_link(port) && self.ports.open >> port & 1 != 0
+    }
+
     /// DL status: what the ports' links and loops are.
     pub(crate) fn dl_status(&self) -> u16 {
         let timeout = self.watchdog_timeout(PDI_WATCHDOG_TIME);
@@ -234,6 +250,7 @@ impl Chip {
 
     /// Begins a frame at this chip, whichever port it comes to first.
     pub(crate) fn begin_frame(&mut self, frame: u64, now: Nanos) {
+        self.ports.last_frame = Some(now);
         if self.ports.begin(frame) {
             self.settle_ports(now);
         }

@@ -67,10 +67,14 @@ const OWNER: u8 = R | Rights::ECAT_WRITE | Rights::PDI_WRITE | Rights::CONDITION
 const BUS_ACT: u8 = BUS | Rights::TRIGGER;
 
 /// First byte, number of bytes, rights. What is not listed is reserved.
-const RANGES: [(u16, u16, u8); 53] = [
+const RANGES: [(u16, u16, u8); 57] = [
     (TYPE, 10, R),
     (STATION_ADDRESS, 2, BUS),
     (STATION_ALIAS, 2, SLAVE),
+    (WRITE_REGISTER_ENABLE, 1, BUS_ACT),
+    (WRITE_REGISTER_PROTECTION, 1, BUS),
+    (ESC_WRITE_ENABLE, 1, BUS_ACT),
+    (ESC_WRITE_PROTECTION, 1, BUS),
     (RESET, 1, BUS_ACT),
     (RESET_PDI, 1, SLAVE | Rights::TRIGGER),
     (DL_CONTROL, 4, BUS),
@@ -221,7 +225,8 @@ mod tests {
     fn reserved_bytes_have_no_rights() {
         for address in [
             0x000A,
-            0x0020,
+            0x0022,
+            0x0032,
             0x0042,
             0x0132,
             0x0440 + 2 + 2,

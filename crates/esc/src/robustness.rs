@@ -215,10 +215,26 @@ fn mend(segment: &mut Segment<Vec<Chip>>) {
     }
 }
 
+/// Write protection ends, as a master that knows of it would have it.
+fn unlock(segment: &mut Segment<Vec<Chip>>, now: u64) {
+    let mut buffer = [0; 100];
+    let mut builder = FrameBuilder::new(&mut buffer, SOURCE).unwrap();
+    for (ado, data) in [
+        (WRITE_REGISTER_ENABLE, &[1][..]),
+        (ESC_WRITE_ENABLE, &[1, 0]),
+        (WRITE_REGISTER_PROTECTION, &[0]),
+    ] {
+        builder.datagram(Command::Bwr, 0, physical_address(0, ado), data).unwrap();
+    }
+    let length = builder.finish();
+    assert_eq!(segment.process(&mut buffer[..length], Nanos(now)), Processed::Returned);
+}
+
 /// A master comes, finds the chip as it should be and brings a mailbox and process data up.
 fn check(segment: &mut Segment<Vec<Chip>>, now: u64) {
     let count = segment.drives().len();
     mend(segment);
+    unlock(segment, now);
     for chip in segment.drives_mut() {
         assert!((0..8).all(|index| chip.sync_managers.get(index).is_consistent()));
         assert!(chip.shadow.is_empty() && chip.touched == 0 && chip.acknowledged == 0);

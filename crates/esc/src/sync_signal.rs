@@ -19,7 +19,7 @@ impl Cycles {
     }
 }
 
-/// Which signals had a pulse.
+/// Which signals had a pulse, or are high.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Pulses {
     pub(crate) sync0: bool,
@@ -31,7 +31,12 @@ pub(crate) struct Pulses {
 struct Signal {
     next: u64,
     fired: bool,
+    /// Not acknowledged by the slave since the last pulse.
+    pending: bool,
 }
+
+/// Unit of the pulse length, in ns.
+const PULSE_LENGTH_UNIT: u64 = 10;
 
 impl Signal {
     fn run(&mut self, now: u64, period: u64) -> bool {
@@ -42,11 +47,29 @@ impl Signal {
         if late > i64::MAX as u64 {
             return false;
         }
-        self.fired = true;
+        (self.fired, self.pending) = (true, true);
         if let Some(cycles) = late.checked_div(period) {
             self.next = self.next.wrapping_add((cycles + 1).wrapping_mul(period));
         }
         true
+    }
+
+    /// Whether the signal is high at `now`, up to which it has [run](Self::run): for the length of its pulse, or, in acknowledge mode
+    /// (length 0), until the slave has read its status.
+    fn is_high(&self, now: u64, period: u64, length: u16) -> bool {
+        let last = self.next.wrapping_sub(period);
+        match length {
+            0 => self.pending,
+            length => self.fired && now.wrapping_sub(last) < u64::from(length) * PULSE_LENGTH_UNIT,
+        }
+    }
+
+    const fn first(at: u64) -> Self {
+        Self {
+            next: at,
+            fired: false,
+            pending: false,
+        }
     }
 }
 
@@ -89,11 +112,8 @@ impl SyncSignals {
             active: true,
             unreachable: first.wrapping_sub(now) > i64::MAX as u64,
             implausible,
-            sync0: Signal { next: first, fired: false },
-            sync1: Signal {
-                next: first.wrapping_add(u64::from(cycles.sync1)),
-                fired: false,
-            },
+            sync0: Signal::first(first),
+            sync1: Signal::first(first.wrapping_add(u64::from(cycles.sync1))),
         };
     }
 
@@ -115,6 +135,22 @@ impl SyncSignals {
         Pulses {
             sync0: self.sync0.run(now, u64::from(cycles.sync0)),
             sync1: self.sync1.run(now, cycles.sync1_period()),
+        }
+    }
+
+    /// Which signals are high at `now`, up to which they have [run](Self::run), with pulses of `length` units.
+    pub(crate) fn high(&self, now: u64, cycles: Cycles, length: u16) -> Pulses {
+        Pulses {
+            sync0: self.sync0.is_high(now, u64::from(cycles.sync0), length),
+            sync1: self.sync1.is_high(now, cycles.sync1_period(), length),
+        }
+    }
+
+    /// The slave has read the status of SYNC0 (0) or SYNC1 (1).
+    pub(crate) const fn acknowledge(&mut self, index: usize) {
+        match index {
+            0 => self.sync0.pending = false,
+            _ => self.sync1.pending = false,
         }
     }
 

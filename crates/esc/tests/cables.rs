@@ -291,3 +291,34 @@ fn a_cable_from_card_to_card_is_a_ring_without_drives() {
     }
     assert_eq!(segment.connected(port(0, 0)), None::<End>);
 }
+
+#[test]
+fn link_and_activity_of_a_port_are_those_of_its_cable() {
+    const FLICKER: u64 = 100_000_000;
+    let mut bus = Bus::new(3);
+    let ports = |bus: &mut Bus, position| {
+        let now = Nanos(bus.now);
+        let chip = bus.chip(position);
+        [0, 1, 2, 9].map(|port| (chip.has_link(port), chip.is_active(port, now)))
+    };
+    let (active, quiet, none) = ((true, true), (true, false), (false, false));
+    assert_eq!(ports(&mut bus, 0), [active, active, none, none]);
+    assert_eq!(ports(&mut bus, 2), [active, none, none, none], "the end of the line");
+    bus.pass(FLICKER - 1);
+    assert_eq!(ports(&mut bus, 0), [active, active, none, none]);
+    bus.pass(1);
+    assert_eq!(ports(&mut bus, 0), [quiet, quiet, none, none], "no frame for 100 ms");
+
+    bus.unplug(port(1, 1));
+    bus.read_u8(0, TYPE);
+    assert_eq!(ports(&mut bus, 1), [active, none, none, none]);
+    assert_eq!(ports(&mut bus, 2), [none; 4]);
+    assert_eq!(bus.write(0, DL_CONTROL + 1, &[CLOSED << 2]), 1);
+    bus.read_u8(0, TYPE);
+    assert_eq!(ports(&mut bus, 0), [active, quiet, none, none], "nothing passes a closed loop");
+
+    bus.plug(port(2, 1), SECONDARY);
+    let mut backwards = frame(SOURCE, &[(Command::Brd, physical_address(0, TYPE), &[0])]);
+    bus.send_from(Side::Secondary, &mut backwards);
+    assert_eq!(ports(&mut bus, 2), [none, active, none, none], "from the other side");
+}

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`rotor`] | [`Rotor`]: the shaft, which follows the commanded field with a lag of first order |
 //! | [`travel`] | [`Travel`]: the axis with its end stops, two limit switches and a home switch |
+//! | `terminals` | the input terminals: what is wired to them, and when within a step they change |
 //!
 //! [`Plant::step`] takes one control tick. It holds no clock and no randomness: the same actuator commands give the same sensor values,
 //! bit for bit, on every machine.
@@ -14,10 +15,12 @@
 extern crate std;
 
 pub mod rotor;
+mod terminals;
 pub mod travel;
 
-use board::{Actuators, InputLevels, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+use board::{Actuators, INPUT_COUNT, InputLevels, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
 pub use rotor::{Rotor, Turns};
+use terminals::Terminals;
 pub use travel::{Switches, Travel};
 
 /// What a plant is made of.
@@ -29,6 +32,9 @@ pub struct PlantConfig {
     pub start: Turns,
     /// Which terminal each switch is wired to.
     pub wiring: Wiring,
+    /// Further switches, as a touch probe or a flag is: where the axis switches IN1 to IN6 on, from the left edge up to, not including,
+    /// the right one. They join whatever else is wired to the terminal.
+    pub flags: [Option<(Turns, Turns)>; INPUT_COUNT],
     /// Voltage of the supply.
     pub supply: Millivolts,
 }
@@ -39,6 +45,7 @@ impl Default for PlantConfig {
             travel: Travel::default(),
             start: Turns(0.0),
             wiring: Wiring::default(),
+            flags: [None; INPUT_COUNT],
             supply: Millivolts(36_000),
         }
     }
@@ -71,8 +78,7 @@ impl Default for Wiring {
 pub struct Plant {
     config: PlantConfig,
     rotor: Rotor,
-    /// Input terminals somebody holds on by hand, as a wire or a push-button would.
-    held_on: InputLevels,
+    terminals: Terminals,
     outputs: OutputLevels,
     phase_currents: [Milliamps; 2],
 }
@@ -84,14 +90,18 @@ impl Plant {
         Self {
             config,
             rotor,
-            held_on: InputLevels(0),
+            terminals: Terminals::new(&config),
             outputs: OutputLevels(0),
             phase_currents: [Milliamps(0); 2],
         }
     }
 
     /// Lets one tick (50 us) pass under the given commands and returns what the sensors read at its end.
+    ///
+    /// Within the tick the shaft turns evenly, which tells when inputs change. A switch that it passes from end to end in one tick does
+    /// not show.
     pub fn step(&mut self, actuators: &Actuators) -> Sensors {
+        let start = self.rotor.position();
         self.outputs = actuators.outputs;
         match actuators.stage {
             PowerStage::Off => self.phase_currents = [Milliamps(0); 2],
@@ -101,29 +111,19 @@ impl Plant {
             }
         }
         self.rotor.stop_at(self.config.travel.stops);
-        self.sensors()
+        let inputs = self.terminals.step(start, self.rotor.position());
+        self.sensors_with(inputs)
     }
 
     /// What the sensors read now.
     pub fn sensors(&self) -> Sensors {
-        let Wiring {
-            positive_limit,
-            negative_limit,
-            home,
-        } = self.config.wiring;
-        let switches = self.switches();
-        let mut inputs = self.held_on.0;
-        for (terminal, on) in [
-            (positive_limit, switches.positive_limit),
-            (negative_limit, switches.negative_limit),
-            (home, switches.home),
-        ] {
-            if on && (1..=board::INPUT_COUNT).contains(&terminal) {
-                inputs |= 1 << (terminal - 1);
-            }
-        }
+        self.sensors_with(self.terminals.levels(self.rotor.position()))
+    }
+
+    fn sensors_with(&self, inputs: InputLevels) -> Sensors {
         Sensors {
-            inputs: InputLevels(inputs),
+            inputs,
+            level_ages: self.terminals.ages,
             bus_voltage: self.config.supply,
             phase_currents: self.phase_currents,
         }
@@ -144,9 +144,9 @@ impl Plant {
         self.outputs
     }
 
-    /// Holds input terminals on by hand, beside what the switches do.
+    /// Holds input terminals on by hand, beside what the switches do, from the next step's start on.
     pub fn hold_inputs(&mut self, held_on: InputLevels) {
-        self.held_on = held_on;
+        self.terminals.held_on = held_on;
     }
 
     /// Moves the axis by hand; with the power stage on, the shaft then locks into the nearest electrical period.

@@ -42,10 +42,21 @@ pub struct Switches {
 impl Travel {
     /// The switches when the axis stands at `position`.
     pub fn switches(&self, position: Turns) -> Switches {
+        let [negative_limit, positive_limit, home] = self.ranges().map(|(from, to)| from <= position && position < to);
         Switches {
-            negative_limit: position <= self.negative_limit,
-            positive_limit: position >= self.positive_limit,
-            home: self.home.0 <= position && position < self.home.1,
+            negative_limit,
+            positive_limit,
+            home,
         }
+    }
+
+    /// Where the negative limit switch, the positive one and the home switch are on: each from its left edge up to, not including, its
+    /// right one.
+    pub(crate) const fn ranges(&self) -> [(Turns, Turns); 3] {
+        [
+            (Turns(f64::NEG_INFINITY), Turns(self.negative_limit.0.next_up())),
+            (self.positive_limit, Turns(f64::INFINITY)),
+            self.home,
+        ]
     }
 }

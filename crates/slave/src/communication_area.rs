@@ -41,8 +41,8 @@ impl CommunicationArea {
         };
         Self {
             pdo: PdoConfiguration::new(configuration),
-            outputs: SyncParameters::outputs(configuration.minimum_cycle_ns),
-            inputs: SyncParameters::inputs(configuration.minimum_cycle_ns),
+            outputs: SyncParameters::outputs(configuration.minimum_cycle_ns, configuration.reaction_ns),
+            inputs: SyncParameters::inputs(configuration.minimum_cycle_ns, configuration.reaction_ns),
             fixed,
             names: [
                 configuration.device_name,
@@ -56,6 +56,11 @@ impl CommunicationArea {
     /// 0x10F1:02: how far outputs and SYNC0 may fall out of step; 0 switches the check off.
     pub(crate) const fn sync_error_limit(&self) -> u16 {
         self.fixed.sync_error_limit
+    }
+
+    /// Both sets of synchronisation parameters, for what they have in common.
+    pub(crate) const fn sync_parameters(&mut self) -> [&mut SyncParameters; 2] {
+        [&mut self.outputs, &mut self.inputs]
     }
 
     /// Copies the value in a slot of [`FixedObjects`] to `out` and returns its size in bytes.

@@ -28,6 +28,9 @@ pub struct Configuration {
     pub process_window: Range<u16>,
     /// 0x1C32:05 and 0x1C33:05: the shortest SYNC0 cycle in ns.
     pub minimum_cycle_ns: u32,
+    /// The longest time from an event of synchronisation to the poll that serves it, in ns: what 0x1C32:06, 0x1C32:09 and 0x1C33:06 state
+    /// until they are measured.
+    pub reaction_ns: u32,
     /// How long a master waits for SAFEOP and OP, in ms; the device gives up shortly before.
     pub op_timeout_ms: u32,
     /// PDO mappings at delivery: index 0x1600.. or 0x1A00.. and entries (index, sub-index, bits). PDOs not listed are empty.

@@ -9,15 +9,23 @@ const WAITING: usize = 4;
 /// The messages that wait, and what the master was told last.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Emergencies {
-    /// The code that the master knows of; `None` until the device was looked at for the first time.
+    /// The code that the master knows of; `None` until the device was looked at for the first time since the mailbox started.
     told: Option<u16>,
     /// One more than wait usually, for a message that made way for an answer.
     waiting: Deque<Emergency, { WAITING + 1 }>,
 }
 
 impl Emergencies {
-    /// Looks at the device's present fault: a code other than the last one makes a message, but what was there before the mailbox started
-    /// does not. While no more messages can wait, changes pass unseen; only the last of them is told later.
+    /// Before the first mailbox since power-on, when no master knows of any fault.
+    pub(crate) const fn at_power_on() -> Self {
+        Self {
+            told: Some(0),
+            waiting: Deque::new(),
+        }
+    }
+
+    /// Looks at the device's present fault: a code other than the last one makes a message, but what was there before the mailbox was started
+    /// anew does not. While no more messages can wait, changes pass unseen; only the last of them is told later.
     pub(crate) fn observe(&mut self, present: Emergency) {
         match self.told {
             None => self.told = Some(present.code),

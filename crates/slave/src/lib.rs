@@ -7,7 +7,7 @@
 //! | [`application`] | [`Application`]: what the stack asks of the device |
 //! | [`esm`] | the EtherCAT state machine as a total function of status and request |
 //! | `transitions` | the checked steps of each change of state |
-//! | `indicators` | RUN and ERR LED |
+//! | [`indicators`] | RUN and ERR LED |
 //! | `supervision` | what makes the stack leave a state by itself |
 //! | `sync_managers` | sync managers 0 to 3 and what is required of them |
 //! | `mailbox` | receiving, answering, counting and repeating mailbox messages |
@@ -21,6 +21,7 @@
 //! | `complete_access` | all entries of an object in one transfer |
 //! | `bits` | values at any bit of an image |
 //! | `sync_parameters` | 0x1C32 and 0x1C33 |
+//! | `timing` | how long events of synchronisation wait |
 //! | `pdo` | PDO mapping and assignment, and the process image made from them |
 //! | `process_data` | sync manager 2 to objects, objects to sync manager 3 |
 //! | `synchronization` | free run, sync manager and SYNC0: choice, sequence check, cycle time |
@@ -41,7 +42,7 @@ pub mod configuration;
 mod device_objects;
 mod emergency;
 pub mod esm;
-mod indicators;
+pub mod indicators;
 mod information;
 mod mailbox;
 pub mod objects;
@@ -53,9 +54,11 @@ mod supervision;
 mod sync_managers;
 mod sync_parameters;
 mod synchronization;
+mod timing;
 mod transitions;
 
 pub use application::Application;
 pub use configuration::{Configuration, Identity, MAX_MAILBOX, MAX_OBJECT_SIZE, MAX_PROCESS_DATA, MailboxLimits};
+pub use indicators::Leds;
 pub use objects::{MAX_MAPPING_ENTRIES, PDOS_PER_DIRECTION};
 pub use stack::{Report, Slave, Sync};

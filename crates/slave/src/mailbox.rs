@@ -46,12 +46,21 @@ pub(crate) struct Mailbox {
 }
 
 impl Mailbox {
+    /// The mailbox at power-on, not started.
+    pub(crate) fn at_power_on() -> Self {
+        Self {
+            emergencies: Emergencies::at_power_on(),
+            ..Self::default()
+        }
+    }
+
     /// Starts mailbox communication with empty mailboxes.
     pub(crate) fn start(&mut self, esc: &mut impl EscAccess, all: &[SyncManager; 4]) {
         *self = Self {
             out: all[MAILBOX_OUT],
             back: all[MAILBOX_IN],
             counter: 1,
+            emergencies: core::mem::take(&mut self.emergencies),
             ..Self::default()
         };
         for index in [MAILBOX_OUT, MAILBOX_IN] {

@@ -166,6 +166,10 @@ pub const ENTRIES: &[Entry] = &{
             row.access,
             row.doc,
         );
+        // Every parameter of 32 bits is a time (ETG.1020).
+        if let DataType::Unsigned32 = row.data_type {
+            (table[length].unit, table[length + 1].unit) = ("ns", "ns");
+        }
         (length, i) = (length + 2, i + 1);
     }
     assert!(length == COUNT);
@@ -209,7 +213,10 @@ const fn entry(
         Some(bits) => bits as u16,
         None => 0,
     };
-    let max = (1_i64 << bits) - 1;
+    let (min, max) = match data_type.range() {
+        Some(range) => range,
+        None => (0, 0),
+    };
     Entry {
         index,
         sub,
@@ -219,7 +226,7 @@ const fn entry(
         bits,
         access,
         default: 0,
-        min: 0,
+        min,
         max,
         unit: "",
         doc,

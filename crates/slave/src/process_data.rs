@@ -126,7 +126,15 @@ impl ProcessData {
         self.deactivated = true;
     }
 
-    /// Takes back [`Self::deactivate`]; new outputs must come then.
+    /// Switches both directions off in the chip: below SAFEOP nobody serves them, and no working counter may say so.
+    pub(crate) fn stop(&mut self, esc: &mut impl EscAccess) {
+        for index in [OUTPUTS, INPUTS] {
+            sync_managers::write_pdi_control(esc, index, sync_manager::PDI_DEACTIVATE);
+        }
+        self.deactivated = true;
+    }
+
+    /// Takes back [`Self::deactivate`] and [`Self::stop`]; new outputs must come then.
     pub(crate) fn reactivate(&mut self, esc: &mut impl EscAccess) {
         if self.deactivated {
             for index in [OUTPUTS, INPUTS] {

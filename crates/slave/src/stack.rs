@@ -11,10 +11,12 @@ use crate::coe::{Answer, Servers};
 use crate::communication_area::CommunicationArea;
 use crate::configuration::{Configuration, MAX_MAILBOX};
 use crate::device_objects::{self, DeviceObjects};
+use crate::indicators::{Leds, Patterns};
 use crate::mailbox::{Mailbox, REQUEST_EVENT};
 use crate::process_data::ProcessData;
 use crate::sync_managers::{INPUTS, OUTPUTS};
 use crate::synchronization::{CycleMeter, Mode, Sequence};
+use crate::timing::{Event, unserved};
 
 /// How often inputs are renewed when nothing synchronises them, in ns.
 const FREE_RUN_PERIOD: u64 = 1_000_000;
@@ -40,7 +42,12 @@ pub struct Slave {
     pub(crate) identifies: bool,
     /// The events that matter in the present state.
     pub(crate) interest: u32,
-    inputs_due: bool,
+    /// The event whose inputs are not ready yet.
+    pub(crate) inputs_due: Option<Event>,
+    /// What the LEDs are to tell.
+    pub(crate) patterns: Patterns,
+    /// What they show.
+    pub(crate) leds: Leds,
     inputs_at: Nanos,
 }
 
@@ -78,7 +85,7 @@ impl Slave {
             configuration,
             status: AlStatus::default(),
             code: AlStatusCode::None,
-            mailbox: Mailbox::default(),
+            mailbox: Mailbox::at_power_on(),
             servers: Servers::default(),
             process: ProcessData::new(),
             mode: Mode::FreeRun,
@@ -88,7 +95,9 @@ impl Slave {
             pending_op: None,
             identifies: false,
             interest: AlEvents::AL_CONTROL | AlEvents::SM_ACTIVATION,
-            inputs_due: false,
+            inputs_due: None,
+            patterns: Patterns::default(),
+            leds: Leds::default(),
             inputs_at: Nanos(0),
         }
     }
@@ -152,10 +161,10 @@ impl Slave {
     /// Copies the mapped inputs to the chip if they are due: after each event of synchronisation, and every millisecond without such
     /// events. To be called after the control tick.
     pub fn publish_inputs(&mut self, esc: &mut impl EscAccess, application: &impl Application, now: Nanos) {
-        if self.status.state < AlState::SafeOp || !self.process.has_inputs() {
+        if self.status.state < AlState::SafeOp {
             return;
         }
-        if self.inputs_due || now.since(self.inputs_at) >= self.longest_input_age() {
+        if self.inputs_due.is_some() || now.since(self.inputs_at) >= self.longest_input_age() {
             self.publish(esc, application, now);
         }
     }
@@ -163,7 +172,10 @@ impl Slave {
     /// Copies the mapped inputs to the chip.
     pub(crate) fn publish(&mut self, esc: &mut impl EscAccess, application: &impl Application, now: Nanos) {
         self.process.publish(esc, &self.area, application, now);
-        (self.inputs_due, self.inputs_at) = (false, now);
+        if let Some(event) = self.inputs_due.take() {
+            self.area.inputs.reacted(event.age(now));
+        }
+        self.inputs_at = now;
     }
 
     /// While events of synchronisation come, inputs wait for them, so that they are those of one instant of the cycle.
@@ -196,22 +208,26 @@ impl Slave {
         }
         if events.has(AlEvents::SYNC1) {
             esc.read_u8(register::DC_SYNC1_STATUS);
-            self.inputs_due |= matches!(self.mode, Mode::Sync0 { .. });
+            if let Mode::Sync0 { cycle } = self.mode {
+                self.inputs_due = Some(self.date(esc, register::DC_NEXT_SYNC1, cycle, now));
+            }
         }
         if events.has(AlEvents::sync_manager(OUTPUTS)) {
             sync = self.outputs_came(esc, application, now).or(sync);
         }
         if events.has(AlEvents::sync_manager(INPUTS)) && self.mode == Mode::SyncManager && !self.process.has_outputs() {
-            self.inputs_due = true;
+            self.synchronized(Event::found(now));
         }
         sync
     }
 
     /// SYNC0: outputs take effect, inputs are taken.
     fn sync0(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Option<Sync> {
-        self.last_sync0 = Some(now);
+        let last = self.last_sync0.replace(now);
         let Mode::Sync0 { cycle } = self.mode else { return None };
-        self.inputs_due = true;
+        let event = self.date(esc, register::DC_START_TIME, cycle, now);
+        self.synchronized(event);
+        self.count_too_small(last.map_or(0, |last| unserved(now.since(last), cycle)));
         if self.status.state != AlState::Op {
             return None;
         }
@@ -222,6 +238,7 @@ impl Slave {
             let fresh = self.process.fresh;
             if fresh {
                 self.process.apply(application);
+                self.area.outputs.reacted(event.age(now));
             }
             Sync { cycle: Some(cycle), fresh }
         })
@@ -237,9 +254,11 @@ impl Slave {
                 return None;
             }
             Mode::SyncManager => {
-                self.inputs_due = true;
-                self.area.outputs.cycle = self.meter.cycle().unwrap_or(0);
-                self.area.inputs.cycle = self.area.outputs.cycle;
+                self.synchronized(Event::found(now));
+                let cycle = self.meter.cycle().unwrap_or(0);
+                for parameters in self.area.sync_parameters() {
+                    parameters.cycle = cycle;
+                }
             }
             Mode::FreeRun => {}
         }

@@ -42,8 +42,9 @@ impl Slave {
 
     /// A SYNC0 came in OP without outputs before it.
     pub(crate) fn output_missed(&mut self, esc: &mut impl EscAccess) {
-        self.area.outputs.missed = self.area.outputs.missed.saturating_add(1);
-        self.area.inputs.missed = self.area.outputs.missed;
+        for parameters in self.area.sync_parameters() {
+            parameters.missed = parameters.missed.saturating_add(1);
+        }
         if self.sequence.is_broken(self.area.sync_error_limit()) {
             (self.area.outputs.error, self.area.inputs.error) = (true, true);
             self.give_up(esc, AlState::SafeOp, AlStatusCode::SynchronizationError, Origin::Device);
@@ -90,7 +91,9 @@ impl Slave {
     fn enter_op(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Option<Sync> {
         self.pending_op = None;
         self.sequence.start(now);
-        (self.area.outputs.missed, self.area.inputs.missed) = (0, 0);
+        for parameters in self.area.sync_parameters() {
+            parameters.start_counting();
+        }
         self.set_status(esc, AlState::Op, AlStatusCode::None, Origin::Request);
         self.process.has_outputs().then(|| self.take_effect(application))
     }
@@ -99,7 +102,11 @@ impl Slave {
     pub(crate) fn give_up(&mut self, esc: &mut impl EscAccess, state: AlState, code: AlStatusCode, origin: Origin) {
         self.pending_op = None;
         if self.status.state >= AlState::SafeOp {
-            self.process.deactivate(esc);
+            if state >= AlState::SafeOp {
+                self.process.deactivate(esc);
+            } else {
+                self.process.stop(esc);
+            }
         }
         if state == AlState::Init {
             self.stop_mailbox();

@@ -129,9 +129,10 @@ pub(crate) struct Sequence {
 }
 
 impl Sequence {
-    /// OP begins.
+    /// OP begins, with the outputs that it took.
     pub(crate) fn start(&mut self, now: Nanos) {
         *self = Self {
+            output_came: true,
             op_since: now,
             ..Self::default()
         };

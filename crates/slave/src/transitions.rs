@@ -1,12 +1,13 @@
 //! The checked steps of each change of state (ETG.1000.6, local management services).
 
 use wire::al::{AlControl, AlState, AlStatus, AlStatusCode};
+use wire::indicator::Pattern;
 use wire::register;
 use wire::{AlEvents, EscAccess, Nanos};
 
 use crate::application::Application;
 use crate::esm::{self, Decision};
-use crate::indicators::{self, Origin};
+use crate::indicators::{Origin, Patterns};
 use crate::mailbox::REQUEST_EVENT;
 use crate::pdo::Direction;
 use crate::stack::Slave;
@@ -45,21 +46,25 @@ impl Slave {
 
     /// The pending error is acknowledged: the master may send outputs again.
     fn acknowledge(&mut self, esc: &mut impl EscAccess) {
-        self.process.reactivate(esc);
+        if self.status.state >= AlState::SafeOp {
+            self.process.reactivate(esc);
+        }
         (self.area.outputs.error, self.area.inputs.error) = (false, false);
     }
 
     /// Runs the steps to INIT, PREOP or SAFEOP.
     fn change(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, target: AlState, now: Nanos) -> Result<(), Refusal> {
+        if self.status.state >= AlState::SafeOp && target < AlState::SafeOp {
+            self.process.stop(esc);
+        }
         match (self.status.state, target) {
             (AlState::Init, AlState::PreOp) => self.start_mailbox(esc),
             (AlState::PreOp, AlState::SafeOp) => self.start_process_data(esc, application, now),
             (_, AlState::Init) => {
-                self.process.reactivate(esc);
                 self.stop_mailbox();
                 Ok(())
             }
-            // SAFEOP and PREOP from above: outputs and inputs just stop.
+            // SAFEOP from OP: outputs just stop counting.
             _ => Ok(()),
         }
     }
@@ -95,8 +100,9 @@ impl Slave {
         self.choose_mode(esc, &all).map_err(refuse)?;
         check_watchdog(esc, &all).map_err(refuse)?;
 
+        self.process.reactivate(esc);
         self.process.start(esc, outputs, inputs, &all);
-        self.last_sync0 = None;
+        (self.last_sync0, self.inputs_due) = (None, None);
         esc.read_u8(register::DC_SYNC0_STATUS);
         self.meter = Default::default();
         // Masters read the inputs right after they see SAFEOP.
@@ -158,7 +164,8 @@ impl Slave {
         } else {
             code.code()
         };
-        esc.write(register::RUN_LED, &[indicators::run(state), indicators::error(code, origin)]);
+        self.patterns = Patterns::new(state, code, origin);
+        esc.write(register::RUN_LED, &[self.patterns.run, self.patterns.err].map(Pattern::to_override));
         esc.write_u16(register::AL_STATUS_CODE, shown);
         esc.write_u16(register::AL_STATUS, self.status.bits());
     }

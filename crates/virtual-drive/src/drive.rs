@@ -8,8 +8,14 @@ use plant::{Plant, PlantConfig, Turns};
 use wire::Nanos;
 use wire::al::{AlState, AlStatusCode};
 
+use crate::flash::{self, Flash};
+use crate::indicators::Indicators;
+
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
+
+/// Which input the pin of each latch unit is wired to: IN1 and IN2, the fast ones (manual 1.3.1).
+const LATCH_INPUTS: [usize; 2] = [1, 2];
 
 /// What distinguishes one drive of a segment from the next.
 #[derive(Clone, Debug)]
@@ -18,6 +24,8 @@ pub struct DriveConfig {
     pub serial: u32,
     /// Contents of the EEPROM; `None` for those of a new unit.
     pub eeprom: Option<[u8; device::sii::SIZE]>,
+    /// Contents of the flash memory for saved parameters; `None` for an erased one, as of a new unit.
+    pub parameters: Option<[u8; flash::SIZE]>,
     /// What the slave controller's local clock shows at power-on, in ns.
     pub clock_offset_ns: u64,
     /// How much the slave controller's clock runs too fast, in parts per billion.
@@ -35,11 +43,23 @@ impl DriveConfig {
         Self {
             serial: number,
             eeprom: None,
+            parameters: None,
             clock_offset_ns: 1_234_567 * u64::from(number),
             clock_ppb: 0,
             ports: 2,
             plant: PlantConfig::default(),
         }
+    }
+
+    /// A clock that drifts, by an amount of its own within `ppm` parts per million either way: the same at each start, another for each
+    /// number of a drive.
+    ///
+    /// The amounts are spread evenly: steps of the golden ratio never come near one another, however many drives there are.
+    pub fn drifting(mut self, position: usize, ppm: f64) -> Self {
+        const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+        let place = (position as f64 + 1.0) * GOLDEN_RATIO % 1.0;
+        self.clock_ppb = ((2.0 * place - 1.0) * ppm * 1000.0) as i32;
+        self
     }
 }
 
@@ -49,10 +69,13 @@ pub struct VirtualDrive {
     config: DriveConfig,
     chip: Chip,
     device: Device,
+    memory: Flash,
     plant: Plant,
     sensors: Sensors,
     actuators: Actuators,
     next_tick: Nanos,
+    now: Nanos,
+    indicators: Indicators,
     /// The slave controller's resets that the device has followed.
     resets: u32,
 }
@@ -67,12 +90,16 @@ impl VirtualDrive {
             clock_ppb: config.clock_ppb,
         };
         let chip = Chip::with_ports(chip, config.ports);
+        let mut memory = config.parameters.map_or_else(Flash::erased, Flash::with);
         let plant = Plant::new(config.plant);
         Self {
             sensors: plant.sensors(),
-            device: Device::new(config.serial),
+            device: Device::new(config.serial, &mut memory),
+            memory,
             actuators: Actuators::default(),
             next_tick: TICK_PERIOD,
+            now: Nanos(0),
+            indicators: Indicators::new(config.ports),
             resets: chip.resets(),
             config,
             chip,
@@ -80,14 +107,14 @@ impl VirtualDrive {
         }
     }
 
-    /// Switches the drive off and on again: everything but EEPROM and the place of the axis starts anew.
+    /// Switches the drive off and on again: everything but the EEPROM, the saved parameters and the place of the axis starts anew.
     pub fn power_cycle(&mut self) {
         self.chip.power_cycle();
         self.restart_device();
     }
 
     fn restart_device(&mut self) {
-        self.device = Device::new(self.config.serial);
+        self.device = Device::new(self.config.serial, &mut self.memory);
         self.actuators = Actuators::default();
     }
 
@@ -107,14 +134,42 @@ impl VirtualDrive {
             self.tick(self.next_tick);
             self.next_tick.0 += TICK_PERIOD.0;
         }
+        self.latch_until(now);
         self.chip.advance(now);
-        self.device.poll(&mut self.chip, now);
+        self.device.poll(&mut self.chip, &mut self.memory, now);
+        self.now = self.now.max(now);
+        self.light(now);
+    }
+
+    /// Shows the latch units the edges up to `now`. The sensors are those of the next tick, so they know them in advance.
+    fn latch_until(&mut self, now: Nanos) {
+        for (unit, number) in LATCH_INPUTS.into_iter().enumerate() {
+            let age = self.sensors.level_ages[number - 1];
+            let edge = Nanos(self.next_tick.0.saturating_sub(age.0));
+            if edge <= now {
+                self.chip.latch(unit, self.sensors.inputs.is_on(number), edge);
+            }
+        }
     }
 
     fn tick(&mut self, now: Nanos) {
+        self.latch_until(now);
         self.chip.advance(now);
-        self.actuators = self.device.tick(&mut self.chip, &self.sensors, now);
+        self.actuators = self.device.tick(&mut self.chip, &mut self.memory, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
+        if now.0.is_multiple_of(LED_PERIOD.0) {
+            self.light(now);
+        }
+    }
+
+    fn light(&mut self, now: Nanos) {
+        let leds = self.device.leds(&mut self.chip, now);
+        self.indicators.update(leds, &self.chip, self.device.drive(), now);
+    }
+
+    /// The instant up to which the drive is simulated.
+    pub fn now(&self) -> Nanos {
+        self.now
     }
 
     /// The slave controller.
@@ -127,6 +182,16 @@ impl VirtualDrive {
         &self.device
     }
 
+    /// The memory of the saved parameters.
+    pub fn memory(&self) -> &Flash {
+        &self.memory
+    }
+
+    /// The memory of the saved parameters, to break it.
+    pub fn memory_mut(&mut self) -> &mut Flash {
+        &mut self.memory
+    }
+
     /// Motor, axis and switches.
     pub fn plant(&self) -> &Plant {
         &self.plant
@@ -135,6 +200,11 @@ impl VirtualDrive {
     /// Motor, axis and switches, to put a hand on them.
     pub fn plant_mut(&mut self) -> &mut Plant {
         &mut self.plant
+    }
+
+    /// The LEDs on the drive's front.
+    pub fn indicators(&self) -> &Indicators {
+        &self.indicators
     }
 
     /// What a status line shows.
@@ -150,11 +220,15 @@ impl VirtualDrive {
             position: objects.position,
             velocity_rpm: objects.velocity,
             shaft: self.plant.shaft(),
+            indicators: self.indicators,
         }
     }
 }
 
 const TICK_PERIOD: Nanos = Nanos(TICK.0);
+
+/// How often the LEDs are looked after while time passes without a frame.
+const LED_PERIOD: Nanos = Nanos(1_000_000);
 
 impl AsMut<Chip> for VirtualDrive {
     fn as_mut(&mut self) -> &mut Chip {
@@ -183,4 +257,6 @@ pub struct DriveStatus {
     pub velocity_rpm: i32,
     /// Where the shaft really is.
     pub shaft: Turns,
+    /// The LEDs.
+    pub indicators: Indicators,
 }

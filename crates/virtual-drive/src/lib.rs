@@ -4,14 +4,18 @@
 //! |---|---|
 //! | [`drive`] | [`drive::VirtualDrive`]: slave controller, device and plant on one time line |
 //! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
+//! | [`cables`] | the cables of a line or ring, to be cut and repaired |
+//! | [`control`] | orders to them from outside, through a Unix socket |
+//! | [`indicators`] | the LEDs on a drive's front |
 //! | [`clock`] | real time and lock-step |
 //! | [`link`] | wires: the trait, raw Ethernet on an interface, captures |
-//! | [`server`] | serving a segment to whatever master is on a link |
+//! | [`server`] | serving a segment to whatever master is on a link, or on two |
 //! | [`namespace`] | a network of one's own without root |
 //! | [`master`] | the built-in master |
 //! | [`demo`] | the demonstration |
 //! | [`esi`] | the device description for engineering tools |
-//! | [`eeprom_folder`] | EEPROM contents that outlast the program |
+//! | [`flash`] | the memory of a drive's parameters |
+//! | [`kept_folder`] | EEPROMs and parameters that outlast the program |
 //! | [`status`] | status lines |
 //! | [`program`] | the command line |
 //!
@@ -27,11 +31,15 @@
 //! assert_eq!(found.unwrap().unwrap(), 2);
 //! ```
 
+pub mod cables;
 pub mod clock;
+pub mod control;
 pub mod demo;
 pub mod drive;
-pub mod eeprom_folder;
 pub mod esi;
+pub mod flash;
+pub mod indicators;
+pub mod kept_folder;
 pub mod link;
 pub mod master;
 pub mod namespace;

@@ -1,9 +1,9 @@
 //! A network of its own, without privileges, for `usr2556e exec`: a user and network namespace that holds nothing but a virtual cable, with the
-//! drives on [`DRIVE_INTERFACE`] and the command on [`MASTER_INTERFACE`]. It is gone with the last process in it.
+//! drives on [`DRIVE_INTERFACE`] and the command on [`MASTER_INTERFACE`], and for a ring a second one. It is gone with the last process in it.
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | here | [`enter`]: makes the namespaces for this process |
+//! | here | [`enter`]: makes the namespaces for this process; [`close_ring`]: the second cable |
 //! | `cable` | the virtual cable (veth pair), made over netlink |
 //! | [`obstacle`] | why the system forbids all this, and what to type |
 //! | [`command`] | [`command::run`]: the command, its signals and its exit status |
@@ -24,18 +24,33 @@ pub const MASTER_INTERFACE: &str = "usr2556e1";
 /// The environment variable in which a command finds the name of its end of the cable.
 pub const INTERFACE_VARIABLE: &str = "USR2556E_INTERFACE";
 
+/// As [`DRIVE_INTERFACE`], of the cable that closes a ring.
+pub const REDUNDANT_DRIVE_INTERFACE: &str = "usr2556e2";
+
+/// As [`MASTER_INTERFACE`], of the cable that closes a ring.
+pub const REDUNDANT_MASTER_INTERFACE: &str = "usr2556e3";
+
+/// As [`INTERFACE_VARIABLE`], of the cable that closes a ring.
+pub const REDUNDANT_INTERFACE_VARIABLE: &str = "USR2556E_REDUNDANT_INTERFACE";
+
 /// Works only on Linux: always [`EnterError::OnlyOnLinux`] here.
 #[cfg(not(target_os = "linux"))]
 pub fn enter() -> Result<(), EnterError> {
     Err(EnterError::OnlyOnLinux)
 }
 
+/// Works only on Linux: always [`EnterError::OnlyOnLinux`] here.
+#[cfg(not(target_os = "linux"))]
+pub fn close_ring() -> Result<(), EnterError> {
+    Err(EnterError::OnlyOnLinux)
+}
+
 #[cfg(target_os = "linux")]
-pub use linux::enter;
+pub use linux::{close_ring, enter};
 
 #[cfg(target_os = "linux")]
 mod linux {
-    use super::{DRIVE_INTERFACE, EnterError, MASTER_INTERFACE, cable};
+    use super::{DRIVE_INTERFACE, EnterError, MASTER_INTERFACE, REDUNDANT_DRIVE_INTERFACE, REDUNDANT_MASTER_INTERFACE, cable};
     use nix::errno::Errno;
     use nix::sched::{CloneFlags, unshare};
     use nix::unistd::{getegid, geteuid};
@@ -61,6 +76,11 @@ mod linux {
             become_root_of_a_user_namespace()?;
         }
         cable::lay(DRIVE_INTERFACE, MASTER_INTERFACE).map_err(|(doing, source)| EnterError::from_system(doing, source))
+    }
+
+    /// Lays the second cable, of a ring, once this process is in a network of its own.
+    pub fn close_ring() -> Result<(), EnterError> {
+        cable::lay(REDUNDANT_DRIVE_INTERFACE, REDUNDANT_MASTER_INTERFACE).map_err(|(doing, source)| EnterError::from_system(doing, source))
     }
 
     fn become_root_of_a_user_namespace() -> Result<(), EnterError> {

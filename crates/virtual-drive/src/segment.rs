@@ -6,6 +6,7 @@ use std::time::Duration;
 use esc::{CannotConnect, End, Processed, Segment, Side};
 use wire::Nanos;
 
+use crate::cables::{Cable, CableState, Cables, Change, ChangeError};
 use crate::clock::Clock;
 use crate::drive::{DriveConfig, VirtualDrive};
 use crate::link::pcap::{Direction, Recorder};
@@ -14,14 +15,26 @@ use crate::link::{Link, LinkError, Received};
 /// Virtual drives and the cables between them: a line at first, each drive plugged into the one before it.
 pub struct VirtualSegment {
     segment: Segment<Vec<VirtualDrive>>,
+    cables: Cables,
 }
 
 impl VirtualSegment {
     /// Drives as configured, from the master outwards, just switched on.
     pub fn new(drives: impl IntoIterator<Item = DriveConfig>) -> Self {
+        let drives: Vec<VirtualDrive> = drives.into_iter().map(VirtualDrive::new).collect();
         Self {
-            segment: Segment::new(drives.into_iter().map(VirtualDrive::new).collect()),
+            cables: Cables::line(drives.len()),
+            segment: Segment::new(drives),
         }
+    }
+
+    /// Like [`Self::new`], with one more cable, from the last drive to the master's second card.
+    pub fn ring(drives: impl IntoIterator<Item = DriveConfig>) -> Self {
+        let mut segment = Self::new(drives);
+        let last = segment.cables.close();
+        // Both of its ends are new and free.
+        let _ = segment.lay(last);
+        segment
     }
 
     /// `count` new drives.
@@ -40,6 +53,46 @@ impl VirtualSegment {
     /// Unplugs, or breaks, the cable that ends here. Returns the other end, if there was a cable.
     pub fn disconnect(&mut self, end: End) -> Option<End> {
         self.segment.disconnect(end)
+    }
+
+    /// Cuts, repairs, unplugs or plugs while everything runs.
+    ///
+    /// # Errors
+    /// There is no such cable or drive, or it is like that already.
+    pub fn change(&mut self, change: Change) -> Result<(), ChangeError> {
+        for number in self.cables.change(change)? {
+            self.lay(number).map_err(ChangeError::Taken)?;
+        }
+        Ok(())
+    }
+
+    /// Says whether the interface to one of the master's cards is up. While it is not, the drive at its cable has no link there.
+    pub fn set_interface(&mut self, side: Side, up: bool) {
+        if let Some(number) = self.cables.set_interface(side, up) {
+            // Another cable in its place stays there.
+            let _ = self.lay(number);
+        }
+    }
+
+    /// The cables of the line or ring, from the master's first card outwards; not those plugged by [`Self::connect`].
+    pub fn cables(&self) -> impl Iterator<Item = Cable> + '_ {
+        (1..=self.cables.count()).map(|number| self.cables.cable(number))
+    }
+
+    /// Plugs or unplugs a cable, as it ought to be.
+    fn lay(&mut self, number: usize) -> Result<(), CannotConnect> {
+        let Cable {
+            ends: [one, other], state, ..
+        } = self.cables.cable(number);
+        let linked = self.segment.connected(one) == Some(other);
+        match state {
+            CableState::Whole if !linked => self.segment.connect(one, other)?,
+            CableState::Cut | CableState::Unplugged(_) | CableState::InterfaceDown if linked => {
+                self.segment.disconnect(one);
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     /// Lets a frame that arrives from one of the master's two cards at `now` pass. Returns the card where it comes out, if it does. For
@@ -133,6 +186,11 @@ impl InMemory {
     /// The present instant.
     pub fn now(&self) -> Nanos {
         self.clock.now()
+    }
+
+    /// Whether time moves only when somebody waits.
+    pub fn is_lock_step(&self) -> bool {
+        matches!(self.clock, Clock::LockStep(_))
     }
 
     /// Lets time pass up to `instant` and simulates the drives meanwhile.

@@ -6,9 +6,9 @@ use std::io::{self, Write};
 use drive::Mode;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
+use crate::cables::{Cable, CableState};
 use crate::drive::DriveStatus;
 use crate::segment::VirtualSegment;
-use crate::server::Traffic;
 
 impl fmt::Display for DriveStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -26,18 +26,20 @@ impl fmt::Display for DriveStatus {
         if self.error_code != 0 {
             write!(f, "  error 0x{:04X}", self.error_code)?;
         }
-        Ok(())
+        // By name: drawn as often as this line is, a flashing LED would show flashes that are not its own.
+        write!(f, "  LEDs: {}", self.indicators)
     }
 }
 
-/// One line a drive: rewritten in place on a terminal, written anew when a state changes elsewhere.
+/// One line a drive: rewritten in place on a terminal, written anew when a state changes elsewhere. And one for each change of a cable.
 pub struct StatusLines {
     bars: Vec<ProgressBar>,
     /// Draws the bars; nothing is drawn without it.
-    _frame: MultiProgress,
+    frame: MultiProgress,
     is_terminal: bool,
     states: Vec<String>,
-    was_up: bool,
+    /// The cables as they were last told; whole at first.
+    cables: Vec<Cable>,
 }
 
 impl StatusLines {
@@ -55,37 +57,28 @@ impl StatusLines {
         let is_terminal = bars.first().is_some_and(|bar| !bar.is_hidden());
         Self {
             bars,
-            _frame: frame,
+            frame,
             is_terminal,
             states: vec![String::new(); drives],
-            was_up: true,
+            cables: Vec::new(),
         }
     }
 
-    /// Shows how the drives are.
-    pub fn show(&mut self, segment: &VirtualSegment, traffic: Traffic) {
-        if traffic.up != self.was_up {
-            self.was_up = traffic.up;
-            eprintln!(
-                "{}",
-                if traffic.up {
-                    "The interface is up again."
-                } else {
-                    "The interface went down; waiting for it."
-                }
-            );
-        }
+    /// Shows how cables and drives are.
+    pub fn show(&mut self, segment: &VirtualSegment) {
+        self.show_cables(segment.cables().collect());
         for (position, drive) in segment.drives().iter().enumerate() {
             let status = drive.status();
             if self.is_terminal {
                 self.bars[position].set_message(status.to_string());
             } else {
                 let state = format!(
-                    "{} {} {} {}",
+                    "{} {} {} {} {}",
                     status.al_state.name(),
                     status.al_status_code.code(),
                     status.power_state.name(),
-                    status.mode
+                    status.mode,
+                    status.indicators.without_activity()
                 );
                 if state != self.states[position] {
                     // The drives go on when nobody reads.
@@ -94,5 +87,21 @@ impl StatusLines {
                 }
             }
         }
+    }
+
+    /// Says which cables are not what they were.
+    fn show_cables(&mut self, cables: Vec<Cable>) {
+        for (number, cable) in cables.iter().enumerate() {
+            let before = self.cables.get(number).map_or(CableState::Whole, |cable| cable.state);
+            if cable.state != before {
+                let line = cable.to_string();
+                // The drives go on when nobody reads.
+                let _ = match self.is_terminal {
+                    true => self.frame.println(line),
+                    false => writeln!(io::stdout(), "{line}"),
+                };
+            }
+        }
+        self.cables = cables;
     }
 }

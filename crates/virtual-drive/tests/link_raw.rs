@@ -44,6 +44,10 @@ fn main() -> std::process::ExitCode {
             "an_end_without_partner_has_no_carrier_and_loses_frames",
             linux::an_end_without_partner_has_no_carrier_and_loses_frames,
         ),
+        (
+            "two_interfaces_are_kept_apart_and_one_without_partner_is_down",
+            linux::two_interfaces_are_kept_apart_and_one_without_partner_is_down,
+        ),
         ("waiting_costs_next_to_nothing", linux::waiting_costs_next_to_nothing),
     ])
 }
@@ -51,14 +55,16 @@ fn main() -> std::process::ExitCode {
 #[cfg(target_os = "linux")]
 mod linux {
     use super::namespace_case::{become_nobody, enter, skip};
+    use esc::Side;
     use netlink_packet_core::{NLM_F_ACK, NLM_F_REQUEST, NetlinkMessage, NetlinkPayload};
     use netlink_packet_route::RouteNetlinkMessage;
     use netlink_packet_route::link::{LinkFlags, LinkMessage};
     use netlink_sys::{Socket, SocketAddr, protocols::NETLINK_ROUTE};
     use std::time::{Duration, Instant};
-    use usr2556e::link::raw::{RawLink, Role};
+    use usr2556e::link::cards::Cards;
+    use usr2556e::link::raw::{RawLink, RawPair, Role};
     use usr2556e::link::{Link, LinkError, MAX_FRAME, Received};
-    use usr2556e::namespace::{DRIVE_INTERFACE, MASTER_INTERFACE};
+    use usr2556e::namespace::{DRIVE_INTERFACE, MASTER_INTERFACE, REDUNDANT_DRIVE_INTERFACE, REDUNDANT_MASTER_INTERFACE, close_ring};
 
     /// Long enough for any machine; waited out only where something is wrong.
     const PATIENCE: Duration = Duration::from_secs(10);
@@ -263,7 +269,6 @@ mod linux {
         let (mut drive, _master) = both_ends();
         assert!(drive.carrier());
         switch(MASTER_INTERFACE, LinkFlags::empty());
-        // The kernel tells about a carrier up to a second late.
         let deadline = Instant::now() + PATIENCE;
         while drive.carrier() {
             assert!(Instant::now() < deadline);
@@ -272,6 +277,48 @@ mod linux {
         drive.send(&frame(BROADCAST, 0x88A4, 60)).unwrap();
         assert_eq!(drive.lost(), 1);
         assert_eq!(next(&mut drive, SILENCE), None);
+    }
+
+    /// What a pair receives next, other than time-outs and announcements.
+    fn next_of_pair(pair: &mut RawPair) -> (Side, Received) {
+        let deadline = Instant::now() + PATIENCE;
+        loop {
+            assert!(Instant::now() < deadline);
+            match pair.receive_any(&mut [0; MAX_FRAME], SILENCE).unwrap() {
+                (_, Received::Timeout | Received::Soon) => {}
+                received => return received,
+            }
+        }
+    }
+
+    pub fn two_interfaces_are_kept_apart_and_one_without_partner_is_down() {
+        enter();
+        close_ring().unwrap();
+        let mut pair = RawPair::open([DRIVE_INTERFACE, REDUNDANT_DRIVE_INTERFACE]).unwrap();
+        let names = [MASTER_INTERFACE, REDUNDANT_MASTER_INTERFACE];
+        let mut masters = names.map(|interface| RawLink::open(interface, Role::Master).unwrap());
+        for (side, length) in [(Side::Primary, 60), (Side::Secondary, 61), (Side::Secondary, 62)] {
+            let sent = frame(BROADCAST, 0x88A4, length);
+            masters[side as usize].send(&sent).unwrap();
+            assert_eq!(next_of_pair(&mut pair), (side, Received::Frame(length)));
+            pair.send_to(side, &sent).unwrap();
+            assert_eq!(next(&mut masters[side as usize], PATIENCE), Some(sent));
+            assert_eq!(next(&mut masters[1 - side as usize], Duration::ZERO), None);
+        }
+        switch(REDUNDANT_MASTER_INTERFACE, LinkFlags::empty());
+        assert_eq!(next_of_pair(&mut pair), (Side::Secondary, Received::Down));
+        masters[0].send(&frame(BROADCAST, 0x88A4, 60)).unwrap();
+        assert_eq!(
+            next_of_pair(&mut pair),
+            (Side::Primary, Received::Frame(60)),
+            "the other one goes on"
+        );
+        switch(REDUNDANT_MASTER_INTERFACE, LinkFlags::Up);
+        assert_eq!(next_of_pair(&mut pair), (Side::Secondary, Received::Up));
+        switch(DRIVE_INTERFACE, LinkFlags::empty());
+        assert_eq!(next_of_pair(&mut pair), (Side::Primary, Received::Down));
+        switch(DRIVE_INTERFACE, LinkFlags::Up);
+        assert_eq!(next_of_pair(&mut pair), (Side::Primary, Received::Up));
     }
 
     /// Nanoseconds of processor time that this thread has used.

@@ -94,10 +94,23 @@ impl AlStatus {
     }
 }
 
-/// AL status codes (0x0134): why a state was refused or left.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u16)]
-pub enum AlStatusCode {
+macro_rules! al_status_codes {
+    ($($(#[$meta:meta])* $name:ident = $code:literal,)+) => {
+        /// AL status codes (0x0134): why a state was refused or left.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        #[repr(u16)]
+        pub enum AlStatusCode {
+            $($(#[$meta])* $name = $code,)+
+        }
+
+        impl AlStatusCode {
+            /// All codes.
+            pub const ALL: &'static [Self] = &[$(Self::$name),+];
+        }
+    };
+}
+
+al_status_codes! {
     /// No error.
     #[default]
     None = 0x0000,

@@ -6,6 +6,7 @@
 //! | [`al`] | states, control, status and status codes of the application layer |
 //! | [`coe`] | the CoE header, SDO services, SDO information and emergencies |
 //! | [`frame`] | Ethernet frames, the EtherCAT header, datagrams and their commands |
+//! | [`indicator`] | patterns of RUN, ERR and link/activity LEDs as functions of time |
 //! | [`mailbox`] | the mailbox header and mailbox errors |
 //! | [`register`] | addresses and bits of the slave controller's registers |
 //! | [`sii`] | layout and checksum of the EEPROM image, and a writer for it |
@@ -18,6 +19,7 @@ pub mod access;
 pub mod al;
 pub mod coe;
 pub mod frame;
+pub mod indicator;
 pub mod mailbox;
 pub mod register;
 pub mod sii;

@@ -60,10 +60,23 @@ impl Header {
     }
 }
 
-/// Why a mailbox message was not processed (ETG.1000.6, mailbox error detail).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u16)]
-pub enum MailboxError {
+macro_rules! mailbox_errors {
+    ($($(#[$meta:meta])* $name:ident = $code:literal,)+) => {
+        /// Why a mailbox message was not processed (ETG.1000.6, mailbox error detail).
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[repr(u16)]
+        pub enum MailboxError {
+            $($(#[$meta])* $name = $code,)+
+        }
+
+        impl MailboxError {
+            /// All errors.
+            pub const ALL: &'static [Self] = &[$(Self::$name),+];
+        }
+    };
+}
+
+mailbox_errors! {
     /// The header's syntax is wrong.
     Syntax = 1,
     /// The protocol is not supported.

@@ -20,6 +20,14 @@ pub const FEATURES: u16 = 0x0008;
 pub const STATION_ADDRESS: u16 = 0x0010;
 /// Configured station alias (u16).
 pub const STATION_ALIAS: u16 = 0x0012;
+/// Write register enable (u8): bit 0 lifts the protection of the registers for the rest of the frame.
+pub const WRITE_REGISTER_ENABLE: u16 = 0x0020;
+/// Write register protection (u8): bit 0 protects the registers against the bus.
+pub const WRITE_REGISTER_PROTECTION: u16 = 0x0021;
+/// ESC write enable (u8): bit 0 lifts the protection of the whole chip for the rest of the frame.
+pub const ESC_WRITE_ENABLE: u16 = 0x0030;
+/// ESC write protection (u8): bit 0 protects registers and memory against the bus.
+pub const ESC_WRITE_PROTECTION: u16 = 0x0031;
 /// ESC reset by the bus (u8): takes the letters of "RES", shows how far the sequence has come.
 pub const RESET: u16 = 0x0040;
 /// ESC reset by the slave (u8).
@@ -167,6 +175,8 @@ pub mod dc_activation {
     pub const PLAUSIBILITY: u8 = 1 << 5;
     /// The near future is 2^31 ns instead of half the width of the clock.
     pub const NEAR_FUTURE: u8 = 1 << 6;
+    /// One pulse at once, whatever the cycle; reads as 0.
+    pub const DEBUG_PULSE: u8 = 1 << 7;
 }
 
 /// Bits of [`DC_LATCH_CONTROL`] and [`DC_LATCH_STATUS`].

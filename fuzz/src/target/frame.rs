@@ -192,9 +192,11 @@ fn address(command: Command, input: &mut Input<'_>) -> u32 {
 }
 
 /// Where something happens.
-const REGISTERS: [u16; 29] = [
+const REGISTERS: [u16; 31] = [
     TYPE,
     STATION_ADDRESS,
+    WRITE_REGISTER_ENABLE,
+    ESC_WRITE_ENABLE,
     RESET,
     DL_CONTROL,
     DL_CONTROL + 1,

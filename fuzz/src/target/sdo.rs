@@ -1,9 +1,9 @@
 //! SDO services against one drive in PREOP or OP: uploads and downloads in all forms, segments, aborts, complete access and SDO
-//! information, mostly about objects that exist, with arbitrary values.
+//! information, mostly about objects that exist, with arbitrary values, which may be saved.
 //!
 //! What must hold: a request has one answer, or an announced number of them for a list; the answer is of the request's kind and about its
-//! object, or an abort with a known code; no object ever has a value outside of its range; whatever the parameters are, the drive lives on;
-//! and after INIT and PREOP the mailbox works as if nothing had been.
+//! object, or an abort with a known code; no object ever has a value outside of its range, nor after switching off and on; whatever the
+//! parameters are, the drive lives on; and after INIT and PREOP the mailbox works as if nothing had been.
 
 use std::sync::LazyLock;
 
@@ -80,6 +80,8 @@ pub fn run(bytes: &[u8]) {
         client.step(&mut input, &mut patience);
     }
     client.assert_ranges();
+    client.bus.drives_mut()[0].power_cycle();
+    client.assert_ranges_of_drive();
     bring_up::to_preop(&mut client.bus, length);
     mail::assert_answers(&mut client.bus, length);
 }
@@ -127,7 +129,12 @@ impl Client {
                 let answers = self.ask(Service::SdoRequest, &body);
                 assert_eq!(answers.len(), usize::from(body[0] >> 5 != 4), "{body:02X?}");
             }
-            12 | 13 => {
+            12 => {
+                let (object, signature) = input.one_of(&[(0x10, b"save"), (0x11, b"load")]);
+                let [s0, s1, s2, s3] = *signature;
+                self.ask_about([0x23, object, 0x10, 1, s0, s1, s2, s3], &[]);
+            }
+            13 => {
                 let span = patience.span(input);
                 self.bus.wait(span);
             }
@@ -279,6 +286,10 @@ impl Client {
                 assert_in_range(entry, &value);
             }
         }
+        self.assert_ranges_of_drive();
+    }
+
+    fn assert_ranges_of_drive(&self) {
         let objects = self.bus.drives()[0].device().objects();
         for (slot, entry) in objects.entries().iter().enumerate() {
             let mut value = [0; MAX_VALUE_SIZE];

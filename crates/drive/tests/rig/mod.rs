@@ -1,7 +1,7 @@
 //! A drive on a test rig: objects, network, supply, and switches that the shaft meets.
 #![allow(dead_code, reason = "every test file uses a part of the rig")]
 
-use board::{Actuators, InputLevels, Millivolts, Nanos, PowerStage, Sensors};
+use board::{Actuators, INPUT_COUNT, InputLevels, Millivolts, Nanos, PowerStage, Sensors};
 use dictionary::{AbortCode, Objects};
 use drive::{Drive, DriveObjects, PowerState};
 
@@ -27,6 +27,8 @@ pub struct Rig {
     pub objects: DriveObjects,
     /// Inputs set by hand, beside those of the travel's switches.
     pub inputs: u8,
+    /// How long before the next tick inputs took their level.
+    pub level_ages: [Nanos; INPUT_COUNT],
     pub bus: Millivolts,
     pub travel: Option<Travel>,
     /// The shaft, which follows the field, in pulses.
@@ -53,6 +55,7 @@ impl Rig {
             drive: Drive::new(),
             objects: DriveObjects::new(),
             inputs: 0,
+            level_ages: [Nanos(0); INPUT_COUNT],
             bus: Millivolts(24_000),
             travel: None,
             shaft: 0.0,
@@ -79,6 +82,7 @@ impl Rig {
     pub fn tick(&mut self) {
         let sensors = Sensors {
             inputs: InputLevels(self.inputs | self.switches()),
+            level_ages: self.level_ages,
             bus_voltage: self.bus,
             ..Sensors::default()
         };

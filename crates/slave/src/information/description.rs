@@ -1,9 +1,9 @@
 //! What an object or an entry is.
 
-use dictionary::{AbortCode, Access, DataType, Entry, MAX_VALUE_SIZE};
+use dictionary::{AbortCode, Access, DataType, Entry, MAX_VALUE_SIZE, unit};
 use wire::Nanos;
 use wire::coe::Address;
-use wire::coe::information::value_info;
+use wire::coe::information::{ENTRY_SIZE, value_info};
 
 use super::Data;
 use crate::application::Application;
@@ -35,11 +35,12 @@ struct Known {
     data_type: DataType,
     bits: u16,
     access: Access,
+    unit: Option<u32>,
     /// Default, smallest and largest value.
     values: Option<[i64; 3]>,
 }
 
-/// The data of the description of an entry, with those of the values asked for that there are and that fit.
+/// The data of the description of an entry, with those of unit and values asked for that there are and that fit.
 ///
 /// # Errors
 /// 0x06020000 for an object that does not exist, 0x06090011 for such a sub-index.
@@ -55,12 +56,18 @@ pub(super) fn entry(
     let size = usize::from(known.bits.div_ceil(8));
     let mut answered = asked & (value_info::ACCESS | value_info::MAPPABLE);
     let mut values = Data::new();
-    let flags = [value_info::DEFAULT, value_info::MINIMUM, value_info::MAXIMUM];
-    for (flag, value) in flags.into_iter().zip(known.values.into_iter().flatten()) {
-        if asked & flag != 0 && wire::coe::information::ENTRY_SIZE + values.len() + size <= room {
-            put(&mut values, &bytes(value, known.data_type)[..size]);
+    let mut add = |flag, value: &[u8]| {
+        if asked & flag != 0 && ENTRY_SIZE + values.len() + value.len() <= room {
+            put(&mut values, value);
             answered |= flag;
         }
+    };
+    if let Some(unit) = known.unit {
+        add(value_info::UNIT, &unit.to_le_bytes());
+    }
+    let flags = [value_info::DEFAULT, value_info::MINIMUM, value_info::MAXIMUM];
+    for (flag, value) in flags.into_iter().zip(known.values.into_iter().flatten()) {
+        add(flag, &bytes(value, known.data_type)[..size]);
     }
     let mut data = Data::new();
     put(&mut data, &index.to_le_bytes());
@@ -83,6 +90,7 @@ fn known(address: Address, objects: &DeviceObjects<'_, impl Application>, config
                 data_type: DataType::Unsigned8,
                 bits: 8,
                 access: Access::RO,
+                unit: None,
                 values: Some([i64::from(count); 3]),
             });
         }
@@ -103,6 +111,7 @@ fn known(address: Address, objects: &DeviceObjects<'_, impl Application>, config
         data_type: entry.data_type,
         bits: if is_string { 8 * length as u16 } else { entry.bits },
         access: entry.access,
+        unit: unit::code(entry.unit),
         values: (!is_string).then_some([default, entry.min, entry.max]),
     })
 }

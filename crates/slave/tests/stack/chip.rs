@@ -168,6 +168,13 @@ impl Chip {
         self.set(reg::DC_SYNC1_CYCLE, &cycle1.to_le_bytes());
     }
 
+    /// SYNC0 that came `waited` ns ago, on a clock that wraps just then.
+    pub fn sync0_ago(&mut self, waited: u64, cycle: u64) {
+        self.set(reg::DC_SYSTEM_TIME, &waited.wrapping_sub(7).to_le_bytes());
+        self.set(reg::DC_START_TIME, &cycle.wrapping_sub(7).to_le_bytes());
+        self.sync0();
+    }
+
     pub fn sync0(&mut self) {
         self.events |= AlEvents::SYNC0;
     }

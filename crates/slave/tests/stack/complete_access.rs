@@ -51,11 +51,13 @@ fn objects_are_laid_out_as_their_data_types_say() {
 #[test]
 fn sync_parameters_leave_no_room_for_sub_indices_that_do_not_exist() {
     let mut bench = Bench::preop();
-    for (index, types) in [(0x1C32, 7_u16), (0x1C33, 15)] {
+    for (index, types, delay) in [(0x1C32, 0x4007_u16, 50_000_u32), (0x1C33, 0x400F, 0)] {
         let mut expected = vec![0; 33];
         expected[0] = 0x20;
         expected[8..10].copy_from_slice(&types.to_le_bytes());
         expected[10..14].copy_from_slice(&500_000_u32.to_le_bytes());
+        expected[14..18].copy_from_slice(&50_000_u32.to_le_bytes());
+        expected[20..24].copy_from_slice(&delay.to_le_bytes());
         assert_eq!(bench.upload_complete(index, 0), Ok(expected));
     }
 }

@@ -44,11 +44,23 @@ fn one_fault_in_place_of_another_is_told() {
 }
 
 #[test]
-fn a_fault_from_before_the_mailbox_is_not_told_but_its_end_is() {
+fn a_fault_from_before_the_first_mailbox_is_told() {
     let mut bench = Bench::new();
     bench.lamp.fault = 0x3110;
     bench.poll();
     bench.set_mailboxes(128);
+    assert_eq!(bench.request(0x12), (2, 0));
+    assert_eq!(fetch(&mut bench), Some(FAULT));
+    assert_eq!(fetch(&mut bench), None);
+}
+
+#[test]
+fn a_fault_from_before_a_mailbox_was_started_anew_is_not_told_but_its_end_is() {
+    let mut bench = Bench::preop();
+    assert_eq!(fetch(&mut bench), None);
+    bench.request(0x11);
+    bench.lamp.fault = 0x3110;
+    bench.poll();
     assert_eq!(bench.request(0x12), (2, 0));
     assert_eq!(fetch(&mut bench), None);
     bench.lamp.fault = 0;

@@ -1,5 +1,7 @@
 //! RUN and ERR LED in 0x0138 and 0x0139, and the device's identification in 0x0134.
 
+use wire::Nanos;
+use wire::indicator::Pattern;
 use wire::register as reg;
 
 use crate::workbench::{Bench, MILLISECOND};
@@ -74,4 +76,44 @@ fn an_error_goes_before_the_identification() {
     bench.set_mailboxes(20);
     bench.tick();
     assert_eq!((bench.chip.status(), bench.chip.code()), (0x11, 0x16));
+}
+
+fn shown(bench: &mut Bench) -> (Pattern, Pattern) {
+    let leds = bench.slave.leds(&mut bench.chip, Nanos(bench.now));
+    (leds.run.pattern(), leds.err.pattern())
+}
+
+#[test]
+fn both_leds_can_be_driven_from_the_stack() {
+    let mut bench = Bench::new();
+    assert_eq!(shown(&mut bench), (Pattern::OFF, Pattern::OFF), "INIT");
+    bench = Bench::preop();
+    bench.now = 330 * MILLISECOND;
+    assert_eq!(shown(&mut bench), (Pattern::BLINKING, Pattern::OFF));
+    let mut lit = |ms: u64| {
+        bench
+            .slave
+            .leds(&mut bench.chip, Nanos(ms * MILLISECOND))
+            .run
+            .is_lit(Nanos(ms * MILLISECOND))
+    };
+    assert_eq!([330, 529, 530, 729, 730].map(&mut lit), [true, true, false, false, true]);
+    bench.request(8);
+    assert_eq!(shown(&mut bench), (Pattern::BLINKING, Pattern::BLINKING), "a refused request");
+}
+
+#[test]
+fn the_master_can_make_the_leds_show_something_else() {
+    let mut bench = Bench::preop();
+    bench.chip.set(reg::RUN_LED, &[0x1E, 0x13]);
+    assert_eq!(shown(&mut bench), (Pattern::FLICKERING, Pattern::from_code(3)));
+    bench.chip.set(reg::RUN_LED, &[0x0E, 0x03]);
+    assert_eq!(
+        shown(&mut bench),
+        (Pattern::BLINKING, Pattern::OFF),
+        "without the override bit, the stack's own"
+    );
+    bench.chip.set(reg::RUN_LED, &[0x1F, 0x1F]);
+    bench.request(1);
+    assert_eq!(shown(&mut bench), (Pattern::OFF, Pattern::OFF), "until the state changes");
 }

@@ -173,8 +173,13 @@ fn values_asked_for_come_between_access_and_name() {
         (0x2000, 0, 0x70, 0x70, &[&[50, 0, 0, 0, 100, 0], b"Brightness"]),
         (0x2000, 0, 0x40, 0x40, &[&[100, 0], b"Brightness"]),
         (0x2008, 4, 0x77, 0x75, &[&[0xFD, 0xFF, 0xF6, 0xFF, 10, 0], b"Last"]),
-        // The unit has no number here.
+        // No unit.
         (0x2000, 0, 0x08, 0x00, &[b"Brightness"]),
+        // The unit goes first: 10^-9 seconds.
+        (0x10F8, 0, 0x08, 0x08, &[&[0, 0, 3, 0xF7], b"Timestamp Object"]),
+        (0x10F8, 0, 0x18, 0x18, &[&[0, 0, 3, 0xF7], &[0; 8], b"Timestamp Object"]),
+        (0x1C32, 2, 0x08, 0x08, &[&[0, 0, 3, 0xF7], b"Cycle Time"]),
+        (0x1C32, 1, 0x08, 0x00, &[b"Synchronization Type"]),
         // Values of strings are not limited.
         (0x1008, 0, 0x70, 0x00, &[b"Device name"]),
         (0x2006, 0, 0x70, 0x70, &[&[0, 0, 1], b"On"]),

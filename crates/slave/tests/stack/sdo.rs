@@ -164,7 +164,7 @@ fn uploads_end_with_the_standards_abort_codes() {
 fn downloads_end_with_the_standards_abort_codes_and_change_nothing() {
     let mut bench = Bench::preop();
     bench.lamp.locked = true;
-    let cases: [(u16, u8, &[u8], AbortCode); 20] = [
+    let cases: [(u16, u8, &[u8], AbortCode); 23] = [
         (0x2FFF, 0, &[0], AbortCode::ObjectNotFound),
         (0x2000, 1, &[0, 0], AbortCode::SubIndexNotFound),
         (0x2000, 0, &[1], AbortCode::LengthMismatch),
@@ -182,6 +182,9 @@ fn downloads_end_with_the_standards_abort_codes_and_change_nothing() {
         (0x1010, 1, b"save", AbortCode::LengthMismatch),
         (0x1011, 1, &[0, 0], AbortCode::ValueRange),
         (0x1C32, 1, &[3, 0], AbortCode::ValueRange),
+        (0x1C32, 1, &[0x22, 0], AbortCode::ValueRange),
+        (0x1C33, 1, &[4, 0], AbortCode::ValueRange),
+        (0x1C32, 8, &[2, 0], AbortCode::ValueRange),
         (0x1C33, 1, &[9, 0], AbortCode::ValueRange),
         (0x1C32, 2, &[0; 4], AbortCode::ReadOnly),
         (0x1C00, 1, &[0], AbortCode::ReadOnly),
@@ -232,6 +235,10 @@ fn the_communication_area_holds_what_the_configuration_says() {
         (0x10F1, 1, 1),
         (0x1601, 2, 0x2005_0220),
         (0x1C32, 5, 500_000),
+        (0x1C32, 6, 50_000),
+        (0x1C32, 9, 50_000),
+        (0x1C33, 6, 50_000),
+        (0x1C33, 9, 0),
     ] {
         assert_eq!(bench.upload(index, sub).unwrap(), value.to_le_bytes(), "{index:04X}:{sub:02X}");
     }
@@ -239,8 +246,8 @@ fn the_communication_area_holds_what_the_configuration_says() {
         (0x10F1, 2, 4_u16),
         (0x1C12, 1, 0x1600),
         (0x1C13, 1, 0x1A00),
-        (0x1C32, 4, 7),
-        (0x1C33, 4, 15),
+        (0x1C32, 4, 0x4007),
+        (0x1C33, 4, 0x400F),
     ] {
         assert_eq!(bench.upload(index, sub).unwrap(), value.to_le_bytes(), "{index:04X}:{sub:02X}");
     }

@@ -144,6 +144,127 @@ fn with_sync0_outputs_wait_for_it_and_inputs_follow_it() {
     );
 }
 
+fn number(bench: &mut Bench, index: u16, sub: u8) -> u32 {
+    let mut bytes = bench.upload(index, sub).unwrap();
+    bytes.resize(4, 0);
+    u32::from_le_bytes(bytes.try_into().unwrap())
+}
+
+/// Calc and copy time, and delay time.
+fn times(bench: &mut Bench, index: u16) -> [u32; 2] {
+    [6, 9].map(|sub| number(bench, index, sub))
+}
+
+#[test]
+fn with_sync0_the_longest_times_from_it_are_measured_on_request() {
+    let mut bench = Bench::op_with_sync0();
+    let cycle = |bench: &mut Bench, waited| {
+        bench.now += MILLISECOND;
+        bench.chip.outputs(&[1, 0, 2]);
+        bench.chip.sync0_ago(waited, MILLISECOND);
+        bench.poll();
+        // The inputs follow with the next tick.
+        bench.advance(3_000);
+    };
+    cycle(&mut bench, 40_000);
+    assert_eq!(times(&mut bench, 0x1C32), [50_000, 50_000], "stated until measured");
+    assert_eq!(times(&mut bench, 0x1C33), [50_000, 0]);
+    for index in [0x1C32, 0x1C33] {
+        bench.download(index, 8, &[1, 0]).unwrap();
+    }
+    assert_eq!((times(&mut bench, 0x1C32), times(&mut bench, 0x1C33)), ([50_000, 0], [0, 0]));
+    for waited in [20_000, 35_000, 10_000] {
+        cycle(&mut bench, waited);
+    }
+    assert_eq!(times(&mut bench, 0x1C32), [50_000, 35_000]);
+    assert_eq!(times(&mut bench, 0x1C33), [38_000, 0]);
+    // Each of the two for itself.
+    bench.download(0x1C32, 8, &[0, 0]).unwrap();
+    cycle(&mut bench, 60_000);
+    assert_eq!((times(&mut bench, 0x1C32)[1], times(&mut bench, 0x1C33)[0]), (35_000, 63_000));
+}
+
+#[test]
+fn a_pulse_between_two_readings_of_the_clock_measures_nothing() {
+    let mut bench = Bench::op_with_sync0();
+    bench.download(0x1C32, 8, &[1, 0]).unwrap();
+    bench.now += MILLISECOND;
+    bench.chip.sync0_ago(0, 2 * MILLISECOND);
+    bench.tick();
+    assert_eq!(times(&mut bench, 0x1C32)[1], 0);
+}
+
+#[test]
+fn with_the_sync_manager_the_time_from_outputs_to_inputs_is_measured() {
+    let mut bench = Bench::op();
+    bench.download(0x1C33, 8, &[1, 0]).unwrap();
+    for wait in [10_000, 30_000, 20_000] {
+        bench.now += MILLISECOND;
+        bench.chip.outputs(&[1, 0, 2]);
+        bench.poll();
+        bench.advance(wait);
+    }
+    assert_eq!(times(&mut bench, 0x1C33), [30_000, 0]);
+}
+
+#[test]
+fn an_event_before_the_inputs_of_the_last_are_ready_counts_as_cycle_too_small() {
+    let frame = |bench: &mut Bench| {
+        bench.now += 20_000;
+        bench.chip.outputs(&[1, 0, 2]);
+        bench.poll();
+    };
+    let pulse = |bench: &mut Bench| {
+        bench.now += MILLISECOND;
+        bench.chip.outputs(&[1, 0, 2]);
+        bench.poll();
+        bench.chip.sync0();
+        bench.poll();
+    };
+    for (mut bench, event) in [
+        (Bench::op(), &frame as &dyn Fn(&mut Bench)),
+        (Bench::op_with_sync0(), &pulse as &dyn Fn(&mut Bench)),
+    ] {
+        event(&mut bench);
+        bench.tick();
+        event(&mut bench);
+        assert_eq!(number(&mut bench, 0x1C32, 0x0C), 0);
+        event(&mut bench);
+        event(&mut bench);
+        assert_eq!([0x1C32, 0x1C33].map(|index| number(&mut bench, index, 0x0C)), [2, 2]);
+    }
+}
+
+#[test]
+fn a_sync0_that_nobody_served_counts_as_cycle_too_small() {
+    let mut bench = Bench::op_with_sync0();
+    bench.now += 2 * MILLISECOND;
+    bench.chip.outputs(&[1, 0, 2]);
+    bench.poll();
+    bench.now += MILLISECOND;
+    bench.chip.sync0();
+    bench.tick();
+    assert_eq!((bench.chip.status(), number(&mut bench, 0x1C32, 0x0C)), (8, 2));
+}
+
+#[test]
+fn counters_start_anew_with_op() {
+    let mut bench = Bench::op_with_sync0();
+    for _ in 0..2 {
+        bench.now += 2 * MILLISECOND;
+        bench.chip.sync0();
+        bench.tick();
+    }
+    assert_eq!(bench.chip.code(), 0x1A);
+    assert_eq!([0x0B, 0x0C, 0x20].map(|sub| number(&mut bench, 0x1C33, sub)), [2, 2, 1]);
+    bench.request(0x14);
+    assert_eq!([0x0B, 0x0C, 0x20].map(|sub| number(&mut bench, 0x1C33, sub)), [2, 2, 0]);
+    bench.request(8);
+    bench.cycle();
+    assert_eq!(bench.chip.status(), 8);
+    assert_eq!([0x0B, 0x0C, 0x20].map(|sub| number(&mut bench, 0x1C33, sub)), [0, 0, 0]);
+}
+
 #[test]
 fn sync_signals_are_acknowledged_in_every_mode() {
     for mut bench in [Bench::safeop(), Bench::op(), Bench::op_with_sync0()] {

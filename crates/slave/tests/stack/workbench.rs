@@ -28,6 +28,7 @@ pub fn configuration() -> Configuration {
         },
         process_window: 0x1000..0x3000,
         minimum_cycle_ns: 500_000,
+        reaction_ns: 50_000,
         op_timeout_ms: 9000,
         mappings: &[
             (0x1600, &[0x2000_0010, 0x2005_0108]),

@@ -1,15 +1,15 @@
-//! The profile with the object dictionary: data types, objects, defaults.
+//! The profile with the object dictionary: objects with their defaults, limits and units.
 
-use std::collections::BTreeSet;
 use std::io;
 
-use device::{Device, MAX_OBJECT_SIZE, identity};
+use device::{Device, MAX_OBJECT_SIZE, NoMemory};
 use dictionary::lookup::objects;
-use dictionary::{DataType, Entry};
+use dictionary::{Entry, unit};
 use drive::DriveObjects;
-use quick_xml::events::BytesText;
+use slave::objects::COUNT_NAME;
 use wire::Nanos;
 
+use super::data_types::{bits, data_types, flags, has_sub_indices, object_bits, object_name, type_name};
 use super::xml::{Xml, digits, element, hex, text};
 
 /// A device just switched on, whose objects are the defaults of the file.
@@ -31,76 +31,16 @@ impl New {
 
 /// The profile with the object dictionary: data types first, then objects.
 pub(super) fn profile(xml: &mut Xml) -> io::Result<()> {
+    let all: Vec<&[Entry]> = objects(slave::objects::ENTRIES).chain(objects(DriveObjects::ENTRIES)).collect();
     element(xml, "Profile", |xml| {
         text(xml, "ProfileNo", "402")?;
         element(xml, "Dictionary", |xml| {
-            element(xml, "DataTypes", data_types)?;
-            let mut new = New(Device::new(0));
+            element(xml, "DataTypes", |xml| data_types(xml, &all))?;
+            let mut new = New(Device::new(0, &mut NoMemory));
             element(xml, "Objects", |xml| {
-                all_objects().try_for_each(|entries| object(xml, entries, &mut new))
+                all.iter().try_for_each(|entries| object(xml, entries, &mut new))
             })
         })
-    })
-}
-
-fn all_objects() -> impl Iterator<Item = &'static [Entry]> {
-    objects(slave::objects::ENTRIES).chain(objects(DriveObjects::ENTRIES))
-}
-
-fn is_record(entries: &[Entry]) -> bool {
-    entries.iter().any(Entry::in_record)
-}
-
-/// Basic types that some entry has, then one type for each object with sub-indices.
-fn data_types(xml: &mut Xml) -> io::Result<()> {
-    let mut basic: BTreeSet<(String, u16)> = all_objects().flatten().map(|entry| (type_name(entry), bits(entry))).collect();
-    basic.insert(("USINT".into(), 8));
-    for (name, bits) in basic {
-        element(xml, "DataType", |xml| {
-            text(xml, "Name", &name)?;
-            text(xml, "BitSize", &bits.to_string())
-        })?;
-    }
-    all_objects()
-        .filter(|entries| is_record(entries))
-        .try_for_each(|entries| record_type(xml, entries))
-}
-
-/// Bits from one object's start to the first entry behind sub-index 0, which is padded to 16 (complete access, ETG.1000.6).
-const RECORD_START: u16 = 16;
-
-fn record_type(xml: &mut Xml, entries: &[Entry]) -> io::Result<()> {
-    let members = || entries.iter().filter(|entry| entry.in_record());
-    element(xml, "DataType", |xml| {
-        text(xml, "Name", &record_name(entries))?;
-        text(xml, "BitSize", &record_bits(entries).to_string())?;
-        let count_access = entries.iter().find(|entry| !entry.in_record()).map_or("ro", access);
-        sub_item(xml, 0, "SubIndex 000", ("USINT", 8, 0), |xml| text(xml, "Access", count_access))?;
-        let mut offset = RECORD_START;
-        for entry in members() {
-            sub_item(xml, entry.sub, entry.name, (&type_name(entry), bits(entry), offset), |xml| {
-                flags(xml, entry)
-            })?;
-            offset += bits(entry);
-        }
-        Ok(())
-    })
-}
-
-fn sub_item(
-    xml: &mut Xml,
-    sub: u8,
-    name: &str,
-    (kind, bits, offset): (&str, u16, u16),
-    flags: impl FnOnce(&mut Xml) -> io::Result<()>,
-) -> io::Result<()> {
-    element(xml, "SubItem", |xml| {
-        text(xml, "SubIdx", &sub.to_string())?;
-        text(xml, "Name", name)?;
-        text(xml, "Type", kind)?;
-        text(xml, "BitSize", &bits.to_string())?;
-        text(xml, "BitOffs", &offset.to_string())?;
-        element(xml, "Flags", flags)
     })
 }
 
@@ -109,94 +49,51 @@ fn object(xml: &mut Xml, entries: &[Entry], new: &mut New) -> io::Result<()> {
     element(xml, "Object", |xml| {
         text(xml, "Index", &hex(first.index.into()))?;
         text(xml, "Name", first.object)?;
-        if is_record(entries) {
-            text(xml, "Type", &record_name(entries))?;
-            text(xml, "BitSize", &record_bits(entries).to_string())?;
-            return element(xml, "Info", |xml| record_defaults(xml, entries, new));
+        if has_sub_indices(entries) {
+            text(xml, "Type", &object_name(entries))?;
+            text(xml, "BitSize", &object_bits(entries).to_string())?;
+            return element(xml, "Info", |xml| sub_indices(xml, entries, new));
         }
         text(xml, "Type", &type_name(first))?;
         text(xml, "BitSize", &bits(first).to_string())?;
-        element(xml, "Info", |xml| text(xml, "DefaultData", &new.digits(first.index, 0)))?;
+        let default = new.digits(first.index, 0);
+        element(xml, "Info", |xml| value(xml, first, &default))?;
         element(xml, "Flags", |xml| flags(xml, first))
     })
 }
 
-fn record_defaults(xml: &mut Xml, entries: &[Entry], new: &mut New) -> io::Result<()> {
-    sub_default(xml, "SubIndex 000", &new.digits(entries[0].index, 0))?;
-    entries.iter().filter(|entry| entry.in_record()).try_for_each(|entry| {
-        let value = match new.digits(entry.index, entry.sub) {
+fn sub_indices(xml: &mut Xml, entries: &[Entry], new: &mut New) -> io::Result<()> {
+    if entries[0].in_record() {
+        let count = new.digits(entries[0].index, 0);
+        sub_index(xml, COUNT_NAME, |xml| text(xml, "DefaultData", &count))?;
+    }
+    entries.iter().try_for_each(|entry| {
+        let default = match new.digits(entry.index, entry.sub) {
             // Entries behind the count of a mapping or an assignment have no value; ESI wants one.
             nothing if nothing.is_empty() => "00".repeat(entry.size()),
             digits => digits,
         };
-        sub_default(xml, entry.name, &value)
+        sub_index(xml, entry.name, |xml| value(xml, entry, &default))
     })
 }
 
-fn sub_default(xml: &mut Xml, name: &str, data: &str) -> io::Result<()> {
+fn sub_index(xml: &mut Xml, name: &str, information: impl FnOnce(&mut Xml) -> io::Result<()>) -> io::Result<()> {
     element(xml, "SubItem", |xml| {
         text(xml, "Name", name)?;
-        element(xml, "Info", |xml| text(xml, "DefaultData", data))
+        element(xml, "Info", information)
     })
 }
 
-fn flags(xml: &mut Xml, entry: &Entry) -> io::Result<()> {
-    if entry.access.is_writable_in_preop_only() {
-        xml.create_element("Access")
-            .with_attribute(("WriteRestrictions", "PreOP"))
-            .write_text_content(BytesText::new("rw"))?;
-    } else {
-        text(xml, "Access", access(entry))?;
+/// Limits where they are narrower than the type's, the default, and the unit.
+fn value(xml: &mut Xml, entry: &Entry, default: &str) -> io::Result<()> {
+    if entry.data_type.range().is_some_and(|range| range != (entry.min, entry.max)) {
+        let limit = |value: i64| digits(&value.to_le_bytes()[..entry.size()]);
+        text(xml, "MinData", &limit(entry.min))?;
+        text(xml, "MaxData", &limit(entry.max))?;
     }
-    let mapping = match (entry.access.is_tx_mappable(), entry.access.is_rx_mappable()) {
-        (true, true) => Some("TR"),
-        (true, false) => Some("T"),
-        (false, true) => Some("R"),
-        (false, false) => None,
-    };
-    if let Some(directions) = mapping {
-        text(xml, "PdoMapping", directions)?;
+    text(xml, "DefaultData", default)?;
+    match unit::code(entry.unit) {
+        Some(code) => text(xml, "Unit", &hex(code)),
+        None => Ok(()),
     }
-    if entry.access.is_saved() {
-        text(xml, "Backup", "1")
-    } else {
-        Ok(())
-    }
-}
-
-fn access(entry: &Entry) -> &'static str {
-    if entry.access.is_writable() { "rw" } else { "ro" }
-}
-
-/// The text of a string object.
-fn string(entry: &Entry) -> &'static str {
-    match entry.index {
-        0x1008 => identity::DEVICE_NAME,
-        0x1009 => identity::HARDWARE_VERSION,
-        0x100A => identity::SOFTWARE_VERSION,
-        _ => "",
-    }
-}
-
-fn bits(entry: &Entry) -> u16 {
-    match entry.data_type.bits() {
-        Some(bits) => bits.into(),
-        None => 8 * string(entry).len() as u16,
-    }
-}
-
-fn type_name(entry: &Entry) -> String {
-    match entry.data_type {
-        DataType::VisibleString => format!("STRING({})", string(entry).len()),
-        other => other.esi_name().to_owned(),
-    }
-}
-
-fn record_name(entries: &[Entry]) -> String {
-    format!("DT{:04X}", entries[0].index)
-}
-
-fn record_bits(entries: &[Entry]) -> u16 {
-    let bits: u16 = entries.iter().filter(|entry| entry.in_record()).map(bits).sum();
-    (RECORD_START + bits).next_multiple_of(8)
 }

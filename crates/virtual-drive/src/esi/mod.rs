@@ -3,19 +3,23 @@
 //! | module | holds |
 //! |---|---|
 //! | here | the device: identity, sync managers, PDOs, mailbox, clocks |
-//! | `dictionary` | its object dictionary |
+//! | `dictionary` | its objects |
+//! | `data_types` | their types |
 //! | `xml` | the few shapes of XML that take part |
 
+mod data_types;
 mod dictionary;
 mod xml;
 
 use std::io;
 
-use device::layout::{self, Pdo, Usage};
+use device::layout::{self, InitCommand, Pdo, Usage};
 use device::{identity, sii};
 use drive::DriveObjects;
+use esc::{Chip, ChipConfig};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
+use wire::{EscAccess, register};
 
 use self::dictionary::profile;
 use self::xml::{Xml, digits, element, hex, name, named, text};
@@ -57,7 +61,7 @@ fn device(xml: &mut Xml) -> io::Result<()> {
             text(xml, "GroupType", identity::GROUP)?;
             profile(xml)?;
             for usage in layout::FMMUS {
-                text(xml, "Fmmu", ["", "Outputs", "Inputs", "MBoxState"][usize::from(usage)])?;
+                fmmu(xml, usage)?;
             }
             for manager in layout::SYNC_MANAGERS {
                 sync_manager(xml, &manager)?;
@@ -80,20 +84,50 @@ fn info(xml: &mut Xml) -> io::Result<()> {
     element(xml, "Info", |xml| {
         element(xml, "StateMachine", |xml| {
             element(xml, "Timeout", |xml| {
-                text(xml, "PreopTimeout", "2000")?;
-                text(xml, "SafeopOpTimeout", "9000")?;
-                text(xml, "BackToInitTimeout", "5000")?;
-                text(xml, "BackToSafeopTimeout", "200")
+                text(xml, "PreopTimeout", &layout::TIMEOUTS.preop_ms.to_string())?;
+                text(xml, "SafeopOpTimeout", &layout::TIMEOUTS.op_ms.to_string())?;
+                text(xml, "BackToInitTimeout", &layout::TIMEOUTS.back_to_init_ms.to_string())?;
+                text(xml, "BackToSafeopTimeout", &layout::TIMEOUTS.back_to_safeop_ms.to_string())
             })
         })?;
         element(xml, "Mailbox", |xml| {
             element(xml, "Timeout", |xml| {
-                text(xml, "RequestTimeout", "100")?;
-                text(xml, "ResponseTimeout", "2000")
+                text(xml, "RequestTimeout", &layout::TIMEOUTS.mailbox_request_ms.to_string())?;
+                text(xml, "ResponseTimeout", &layout::TIMEOUTS.mailbox_response_ms.to_string())
             })
         })?;
+        element(xml, "EtherCATController", controller)?;
         text(xml, "IdentificationReg134", "true")
     })
+}
+
+/// What the slave controller says of itself.
+fn controller(xml: &mut Xml) -> io::Result<()> {
+    let mut chip = Chip::new(ChipConfig {
+        eeprom: sii::image(0, 0),
+        clock_offset_ns: 0,
+        clock_ppb: 0,
+    });
+    let mut counts = [0; 3];
+    chip.read(register::FMMU_COUNT, &mut counts);
+    let [fmmus, sync_managers, kilobytes] = counts;
+    text(xml, "DpramSize", &(1024 * u32::from(kilobytes)).to_string())?;
+    text(xml, "SmCount", &sync_managers.to_string())?;
+    text(xml, "FmmuCount", &fmmus.to_string())
+}
+
+fn fmmu(xml: &mut Xml, usage: u8) -> io::Result<()> {
+    let (name, manager) = match usage {
+        1 => ("Outputs", Some(Usage::Outputs)),
+        2 => ("Inputs", Some(Usage::Inputs)),
+        _ => ("MBoxState", None),
+    };
+    let mut element = xml.create_element("Fmmu");
+    if let Some(position) = layout::SYNC_MANAGERS.iter().position(|sm| Some(sm.usage) == manager) {
+        element = element.with_attribute(("Sm", position.to_string().as_str()));
+    }
+    element.write_text_content(BytesText::new(name))?;
+    Ok(())
 }
 
 fn sync_manager(xml: &mut Xml, manager: &layout::SyncManager) -> io::Result<()> {
@@ -163,10 +197,20 @@ fn mailbox(xml: &mut Xml) -> io::Result<()> {
                 .with_attribute(("PdoConfig", "true"))
                 .with_attribute(("CompleteAccess", "true"))
                 .with_attribute(("SegmentedSdo", "true"))
-                .write_empty()?;
+                .write_inner_content(|xml| layout::INIT_COMMANDS.iter().try_for_each(|command| init_command(xml, command)))?;
             Ok(())
         })?;
     Ok(())
+}
+
+fn init_command(xml: &mut Xml, command: &InitCommand) -> io::Result<()> {
+    element(xml, "InitCmd", |xml| {
+        text(xml, "Transition", command.transition)?;
+        text(xml, "Index", &hex(command.index.into()))?;
+        text(xml, "SubIndex", &command.sub.to_string())?;
+        text(xml, "Data", &digits(command.data))?;
+        text(xml, "Comment", command.comment)
+    })
 }
 
 fn clocks(xml: &mut Xml) -> io::Result<()> {

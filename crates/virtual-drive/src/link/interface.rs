@@ -24,7 +24,8 @@ pub(super) fn state(interface: &str, index: u32) -> State {
         None => State::Gone,
         Some(address) if !address.flags.contains(InterfaceFlags::IFF_UP) => State::Down,
         Some(address) => State::Up {
-            carrier: address.flags.contains(InterfaceFlags::IFF_RUNNING),
+            // Known at once, while IFF_RUNNING follows up to a second later.
+            carrier: address.flags.contains(InterfaceFlags::IFF_LOWER_UP),
         },
     }
 }

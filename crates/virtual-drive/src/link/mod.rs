@@ -2,10 +2,14 @@
 //!
 //! | module | what it holds |
 //! |---|---|
-//! | [`raw`] | [`raw::RawLink`]: EtherCAT frames on a network interface (Linux packet socket) |
+//! | [`cards`] | [`cards::Cards`]: the wires to the master's one or two network cards |
+//! | [`raw`] | [`raw::RawLink`], [`raw::RawPair`]: EtherCAT frames on one or two network interfaces (Linux packet sockets) |
+//! | `socket` | the packet socket of one interface |
+//! | `waiter` | waiting at several of them at once |
 //! | `interface` | what the system tells about an interface, and the claim of the one drive server on it |
 //! | `sys` | the few system calls `raw` needs and no safe crate offers; the only unsafe code |
 //! | [`open_error`] | why an interface could not be opened, and what to type |
+//! | [`lossy`] | [`lossy::Lossy`]: any link, with frames lost |
 //! | [`udp`] | [`udp::UdpLink`]: EtherCAT frames in UDP packets, without privileges |
 //! | [`wait`] | [`wait::Predictor`]: when the next cyclic frame is due, and whether spinning for it pays |
 //! | [`pcap`] | recording of any link to .pcapng, and reading captures back for replays |
@@ -13,8 +17,10 @@ use std::fmt;
 use std::io;
 use std::time::Duration;
 
+pub mod cards;
 #[cfg(target_os = "linux")]
 mod interface;
+pub mod lossy;
 pub mod open_error;
 pub mod pcap;
 #[cfg(target_os = "linux")]
@@ -23,9 +29,13 @@ pub mod raw;
 #[path = "raw_elsewhere.rs"]
 pub mod raw;
 #[cfg(target_os = "linux")]
+mod socket;
+#[cfg(target_os = "linux")]
 mod sys;
 pub mod udp;
 pub mod wait;
+#[cfg(target_os = "linux")]
+mod waiter;
 
 /// EtherType of EtherCAT (ETG.1000.4, 5.3).
 pub const ETHERTYPE: u16 = 0x88A4;
@@ -44,7 +54,8 @@ pub enum Received {
     Soon,
     /// Nothing came within the given time.
     Timeout,
-    /// The interface was switched off. Told once; the link waits for it to come back and loses what is sent meanwhile, like a pulled cable.
+    /// The interface was switched off, or in a ring has lost its partner. Told once; the link waits for it to come back and loses what is
+    /// sent meanwhile, like a pulled cable.
     Down,
     /// The interface is on again. Told once after [`Received::Down`].
     Up,

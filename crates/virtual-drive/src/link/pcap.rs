@@ -41,7 +41,16 @@ impl Recorder<File> {
 impl<W: Write> Recorder<W> {
     /// Starts a capture in `destination`.
     pub fn new(destination: W, interface: &str) -> io::Result<Self> {
-        let mut writer = PcapNgWriter::new(BufWriter::with_capacity(BUFFER, destination)).map_err(io_error)?;
+        let writer = PcapNgWriter::new(BufWriter::with_capacity(BUFFER, destination)).map_err(io_error)?;
+        let recorder = Recorder {
+            writer: Some(writer),
+            failure: None,
+        };
+        recorder.with_interface(interface)
+    }
+
+    /// Adds one more interface; each gets the next number. The first has 0.
+    pub fn with_interface(mut self, interface: &str) -> io::Result<Self> {
         let options = vec![
             InterfaceDescriptionOption::IfName(Cow::Owned(interface.to_string())),
             InterfaceDescriptionOption::IfTsResol(9),
@@ -51,18 +60,22 @@ impl<W: Write> Recorder<W> {
             snaplen: 0,
             options,
         };
-        writer.write_pcapng_block(description).map_err(io_error)?;
-        Ok(Recorder {
-            writer: Some(writer),
-            failure: None,
-        })
+        if let Some(writer) = &mut self.writer {
+            writer.write_pcapng_block(description).map_err(io_error)?;
+        }
+        Ok(self)
     }
 
-    /// Adds a frame that passed at `time`, counted from the Unix epoch. After a failure, does nothing.
+    /// Adds a frame that passed the first interface at `time`, counted from the Unix epoch. After a failure, does nothing.
     pub fn record(&mut self, time: Duration, direction: Direction, frame: &[u8]) {
+        self.record_on(0, time, direction, frame);
+    }
+
+    /// Like [`Self::record`], for the interface of that number. Without such an interface, that is a failure.
+    pub fn record_on(&mut self, interface: u32, time: Duration, direction: Direction, frame: &[u8]) {
         let Some(writer) = &mut self.writer else { return };
         let block = EnhancedPacketBlock {
-            interface_id: 0,
+            interface_id: interface,
             timestamp: time,
             original_len: u32::try_from(frame.len()).unwrap_or(u32::MAX),
             data: Cow::Borrowed(frame),
@@ -105,6 +118,8 @@ impl Direction {
 /// One frame of a capture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Packet {
+    /// The number of the interface that it passed.
+    pub interface: u32,
     /// When it passed, in nanoseconds since the Unix epoch.
     pub timestamp_ns: u64,
     /// Which way it went, if the capture says.
@@ -166,6 +181,7 @@ fn read(source: impl io::Read) -> Result<Vec<Packet>, Reason> {
             _ => None,
         });
         packets.push(Packet {
+            interface: packet.interface_id,
             timestamp_ns: nanoseconds(packet.timestamp, interface),
             direction,
             data: packet.data.into_owned(),
@@ -269,6 +285,22 @@ mod tests {
         recorder.record(Duration::from_secs(1), Direction::Inbound, &[7; 60]);
         drop(recorder);
         assert_eq!(read(&file[..]).unwrap().len(), 1);
+    }
+
+    #[test]
+    fn frames_of_two_interfaces_stay_apart_and_a_third_is_a_failure() {
+        let mut file = Vec::new();
+        let mut recorder = Recorder::new(&mut file, "one").unwrap().with_interface("other").unwrap();
+        for interface in [1, 0, 1] {
+            recorder.record_on(interface, Duration::from_secs(1), Direction::Inbound, &[7; 60]);
+        }
+        recorder.finish().unwrap();
+        let interfaces: Vec<u32> = read(&file[..]).unwrap().iter().map(|packet| packet.interface).collect();
+        assert_eq!(interfaces, [1, 0, 1]);
+
+        let mut recorder = Recorder::new(Vec::new(), "one").unwrap();
+        recorder.record_on(1, Duration::from_secs(1), Direction::Inbound, &[7; 60]);
+        assert!(recorder.finish().is_err());
     }
 
     #[test]

@@ -1,6 +1,8 @@
-//! The raw link where there are no Linux packet sockets: [`RawLink::open`] says so, and nothing else can be reached.
+//! The raw links where there are no Linux packet sockets: opening one says so, and nothing else can be reached.
+use super::cards::Cards;
 use super::open_error::OpenError;
 use super::{Link, LinkError, Received};
+use esc::Side;
 use std::convert::Infallible;
 use std::time::Duration;
 
@@ -47,6 +49,29 @@ impl Link for RawLink {
     }
 
     fn receive(&mut self, _buffer: &mut [u8], _wait: Duration) -> Result<Received, LinkError> {
+        match self.0 {}
+    }
+}
+
+/// The drives' ends of the two cables of a ring; cannot exist on this operating system.
+#[derive(Debug)]
+pub struct RawPair(Infallible);
+
+impl RawPair {
+    /// Always [`OpenError::OnlyOnLinux`] here.
+    pub fn open(interfaces: [&str; 2]) -> Result<Self, OpenError> {
+        Err(OpenError::OnlyOnLinux {
+            interface: interfaces[0].into(),
+        })
+    }
+}
+
+impl Cards for RawPair {
+    fn send_to(&mut self, _side: Side, _frame: &[u8]) -> Result<(), LinkError> {
+        match self.0 {}
+    }
+
+    fn receive_any(&mut self, _buffer: &mut [u8], _wait: Duration) -> Result<(Side, Received), LinkError> {
         match self.0 {}
     }
 }

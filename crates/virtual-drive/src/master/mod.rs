@@ -30,6 +30,7 @@ use ethercrab::{MainDevice, MainDeviceConfig, PduRx, PduStorage, PduTx, RetryBeh
 use wire::Nanos;
 
 use crate::clock::sleep_precisely;
+use crate::link::lossy::Lossy;
 use crate::link::{Link, LinkError, MAX_FRAME, Received};
 use crate::segment::InMemory;
 
@@ -40,7 +41,7 @@ const FRAME_DATA: usize = PduStorage::element_size(1100);
 /// How often a waiting conversation is asked whether something else has made it ready, such as a time-out.
 const POLL_INTERVAL: Duration = Duration::from_millis(1);
 /// A frame that was not back after this time is lost.
-const FRAME_LOST: Nanos = Nanos(20_000_000);
+const FRAME_LOST: Duration = Duration::from_millis(20);
 
 /// How long a frame may take; on a busy computer, other programs come between.
 const FRAME_TIMEOUT: Duration = Duration::from_millis(100);
@@ -54,6 +55,11 @@ pub trait MasterLink: Link {
 
     /// Lets time pass up to `instant`.
     fn wait_until(&mut self, instant: Nanos);
+
+    /// Whether time moves only when somebody waits for an instant or for a frame.
+    fn is_lock_step(&self) -> bool {
+        false
+    }
 }
 
 impl MasterLink for InMemory {
@@ -63,6 +69,24 @@ impl MasterLink for InMemory {
 
     fn wait_until(&mut self, instant: Nanos) {
         InMemory::wait_until(self, instant);
+    }
+
+    fn is_lock_step(&self) -> bool {
+        InMemory::is_lock_step(self)
+    }
+}
+
+impl<L: MasterLink> MasterLink for Lossy<L> {
+    fn now(&self) -> Nanos {
+        self.inner().now()
+    }
+
+    fn wait_until(&mut self, instant: Nanos) {
+        self.inner_mut().wait_until(instant);
+    }
+
+    fn is_lock_step(&self) -> bool {
+        self.inner().is_lock_step()
     }
 }
 
@@ -122,6 +146,10 @@ impl<L: MasterLink> MasterLink for Rc<RefCell<L>> {
     fn wait_until(&mut self, instant: Nanos) {
         self.borrow_mut().wait_until(instant);
     }
+
+    fn is_lock_step(&self) -> bool {
+        self.borrow().is_lock_step()
+    }
 }
 
 /// The conversation's sense of time.
@@ -156,15 +184,46 @@ impl Pace {
     }
 }
 
+/// What the master does about a frame that does not come back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Retries {
+    /// When to send it again. In lock-step, as much simulated time passes, and then none until the computer's own has.
+    pub after: Duration,
+    /// How often, before its loss is an error.
+    pub times: usize,
+}
+
+impl Default for Retries {
+    /// For a wire that loses nothing, beside other programs on a busy computer.
+    fn default() -> Self {
+        Self {
+            after: FRAME_TIMEOUT,
+            times: 2,
+        }
+    }
+}
+
 /// Holds a conversation with the drives at the other end of `link`, to its end.
 ///
 /// # Errors
 /// The link failed. What the drives refuse is the conversation's own result.
 pub fn run<L: MasterLink, T>(link: &mut L, conversation: impl AsyncFnOnce(&MainDevice<'_>, &Pace) -> T) -> Result<T, LinkError> {
+    run_with(Retries::default(), link, conversation)
+}
+
+/// Like [`run`], over a link that loses frames.
+///
+/// # Errors
+/// The link failed. What the drives refuse is the conversation's own result.
+pub fn run_with<L: MasterLink, T>(
+    retries: Retries,
+    link: &mut L,
+    conversation: impl AsyncFnOnce(&MainDevice<'_>, &Pace) -> T,
+) -> Result<T, LinkError> {
     let storage = PduStorage::<FRAMES, FRAME_DATA>::new();
     let (tx, rx, pdu_loop) = storage.try_split().expect("this storage was made just now and never split");
     let timeouts = Timeouts {
-        pdu: FRAME_TIMEOUT,
+        pdu: retries.after,
         eeprom: ANSWER_TIMEOUT,
         mailbox_echo: ANSWER_TIMEOUT,
         mailbox_response: ANSWER_TIMEOUT,
@@ -172,7 +231,7 @@ pub fn run<L: MasterLink, T>(link: &mut L, conversation: impl AsyncFnOnce(&MainD
     };
     let config = MainDeviceConfig {
         dc_static_sync_iterations: 1000,
-        retry_behaviour: RetryBehaviour::Count(2),
+        retry_behaviour: RetryBehaviour::Count(retries.times),
     };
     let main = MainDevice::new(pdu_loop, timeouts, config);
     let pace = Pace::default();
@@ -182,6 +241,8 @@ pub fn run<L: MasterLink, T>(link: &mut L, conversation: impl AsyncFnOnce(&MainD
         link,
         pace: &pace,
         under_way: 0,
+        lost: false,
+        lost_after: FRAME_LOST.min(retries.after),
         last_sent: Nanos(0),
         buffer: [0; MAX_FRAME],
     };
@@ -195,6 +256,9 @@ struct Pump<'a, L> {
     link: &'a mut L,
     pace: &'a Pace,
     under_way: usize,
+    /// Whether the last frames sent are lost.
+    lost: bool,
+    lost_after: Duration,
     last_sent: Nanos,
     buffer: [u8; MAX_FRAME],
 }
@@ -223,6 +287,7 @@ impl<L: MasterLink> Pump<'_, L> {
             result?;
             if claimed.is_ok() {
                 self.under_way += 1;
+                self.lost = false;
                 self.last_sent = self.link.now();
             }
         }
@@ -231,12 +296,18 @@ impl<L: MasterLink> Pump<'_, L> {
 
     /// Waits for what the conversation may be waiting for: a frame, or an instant.
     fn wait(&mut self) -> Result<(), LinkError> {
-        if self.link.now().since(self.last_sent) > FRAME_LOST.0 {
+        if self.link.now() > self.last_sent.after(self.lost_after) {
+            self.lost |= self.under_way != 0;
             self.under_way = 0;
         }
         match self.pace.until.get() {
             Some(instant) if self.under_way == 0 => {
                 self.link.wait_until(instant);
+                Ok(())
+            }
+            // The master waits for its own time-out, of which simulated time must not see how fast this computer is.
+            None if self.lost && self.link.is_lock_step() => {
+                thread::park_timeout(POLL_INTERVAL);
                 Ok(())
             }
             Some(instant) => self.fetch(POLL_INTERVAL.min(Duration::from_nanos(instant.since(self.link.now())))),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::control::CONTROL_VARIABLE;
 use crate::master::sdo::Address;
 
 /// The address of `--udp` alone: this computer, the port of EtherCAT.
@@ -31,6 +32,11 @@ pub enum Command {
     Run(Run),
     /// Serve drives to a command in a network of its own (needs no root)
     Exec(Exec),
+    /// Cut, repair or list the cables of drives that are being served
+    ///
+    /// Cable N leads to drive N from the one before it, cable 1 from the interface; a ring has one more, from its last drive to the redundant
+    /// interface. The exit status is 0 when the order was carried out, and 1 when not.
+    Cable(Cable),
     /// List the drives on an interface, with the built-in master
     Scan(Scan),
     /// Read or write one object of a drive on an interface, with the built-in master
@@ -60,12 +66,35 @@ pub struct Served {
     /// Number of drives, each plugged into the one before it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub drives: u16,
-    /// Folder that keeps the drives' EEPROMs, a file each; without it every start is a new unit's
+    /// Folder that keeps the drives' EEPROMs and saved parameters, two files a drive; without it every start is a new unit's
     #[arg(long, value_name = "DIR")]
-    pub eeprom: Option<PathBuf>,
+    pub keep: Option<PathBuf>,
     /// Write every frame to this .pcapng file
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Let the drives' clocks drift by up to this many parts per million; each drive has a drift of its own between -PPM and +PPM, the same
+    /// at every start. Crystals are within 100 [default: 0]
+    #[arg(long, value_name = "PPM", value_parser = drift)]
+    pub clock_drift: Option<f64>,
+    /// Lose this share of the frames of each direction, to test what the master does then
+    #[arg(long, value_name = "PERCENT", value_parser = percentage)]
+    pub lose: Option<f64>,
+    /// Lose the same frames as the run that named this number [default: others each time]
+    #[arg(long, value_name = "N", requires = "lose")]
+    pub seed: Option<u64>,
+}
+
+fn drift(text: &str) -> Result<f64, String> {
+    within(text, 1000.0)
+}
+
+fn percentage(text: &str) -> Result<f64, String> {
+    within(text, 100.0)
+}
+
+fn within(text: &str, most: f64) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (0.0..=most).contains(number));
+    number.ok_or_else(|| format!("a number from 0 to {most} is needed"))
 }
 
 /// Options of `run`.
@@ -77,6 +106,12 @@ pub struct Run {
     /// Serve EtherCAT over UDP at this address instead; needs no privileges [without ADDRESS: 127.0.0.1:34980]
     #[arg(long, value_name = "ADDRESS:PORT", num_args = 0..=1, default_missing_value = LOCAL_UDP, conflicts_with = "interface")]
     pub udp: Option<SocketAddr>,
+    /// Network interface of the master's second cable, for a ring: it is plugged into the last drive
+    #[arg(long, value_name = "IFACE", conflicts_with = "udp")]
+    pub redundant: Option<String>,
+    /// Take orders of `usr2556e cable` at this Unix socket, made for the time of serving
+    #[arg(long, value_name = "PATH")]
+    pub control: Option<PathBuf>,
     /// What is served.
     #[command(flatten)]
     pub served: Served,
@@ -85,12 +120,58 @@ pub struct Run {
 /// Options of `exec`.
 #[derive(Debug, Args)]
 pub struct Exec {
+    /// Make a ring of the drives: a second cable from the last one to the interface USR2556E_REDUNDANT_INTERFACE
+    #[arg(long)]
+    pub ring: bool,
     /// What is served.
     #[command(flatten)]
     pub served: Served,
-    /// The command and its arguments; it finds the interface's name in USR2556E_INTERFACE
+    /// The command and its arguments; it finds the interface's name in USR2556E_INTERFACE, and `usr2556e cable` its socket in
+    /// USR2556E_CONTROL
     #[arg(last = true, required = true, value_name = "COMMAND")]
     pub command: Vec<std::ffi::OsString>,
+}
+
+/// Options of `cable`.
+#[derive(Debug, Args)]
+pub struct Cable {
+    /// Socket of the drive server, as given to `run --control`; `exec` names it to its command
+    #[arg(long, value_name = "PATH", env = CONTROL_VARIABLE)]
+    pub control: PathBuf,
+    /// What to do.
+    #[command(subcommand)]
+    pub action: CableAction,
+}
+
+/// What `cable` does.
+#[derive(Clone, Copy, Debug, Subcommand)]
+pub enum CableAction {
+    /// List all cables with their state
+    List,
+    /// Cut a cable: the link is lost at both ends
+    Cut {
+        /// Number of the cable
+        #[arg(value_name = "N")]
+        cable: usize,
+    },
+    /// Make a cable whole that was cut
+    Repair {
+        /// Number of the cable
+        #[arg(value_name = "N")]
+        cable: usize,
+    },
+    /// Pull both plugs of a drive, which stays under supply; the drives behind it are cut off with it, or reached from the ring's other end
+    Unplug {
+        /// Number of the drive
+        #[arg(value_name = "N")]
+        drive: usize,
+    },
+    /// Put both plugs of a drive in again
+    Plug {
+        /// Number of the drive
+        #[arg(value_name = "N")]
+        drive: usize,
+    },
 }
 
 /// Where the drives are, for `scan`, `sdo` and `move`.

@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::arguments::{Esi, Sii};
-use crate::eeprom_folder::write_whole;
 use crate::esi::document;
+use crate::kept_folder::write_whole;
 
 pub(super) fn esi(options: &Esi) -> anyhow::Result<()> {
     write(options.output.as_deref(), document()?.as_bytes())

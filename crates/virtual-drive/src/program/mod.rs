@@ -5,10 +5,12 @@
 //! | [`arguments`] | what can be typed |
 //! | `demonstrate` | `usr2556e` alone |
 //! | `serve` | `run` and `exec` |
+//! | `cable` | `cable`: orders to a drive server |
 //! | `lead` | `scan`, `sdo`, `move`: the built-in master on an interface |
 //! | `export` | `esi` and `sii` |
 
 pub mod arguments;
+mod cable;
 mod demonstrate;
 mod export;
 mod lead;
@@ -29,6 +31,7 @@ pub fn run() -> ExitCode {
         None => demonstrate::demonstrate(&arguments.demonstration).map(|()| ExitCode::SUCCESS),
         Some(Command::Run(options)) => serve::run(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Exec(options)) => serve::exec(&options),
+        Some(Command::Cable(options)) => cable::cable(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Scan(options)) => lead::scan(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Sdo(options)) => lead::sdo(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Move(options)) => lead::move_axis(&options),

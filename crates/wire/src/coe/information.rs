@@ -93,6 +93,8 @@ pub mod value_info {
     pub const ACCESS: u8 = 1 << 0;
     /// Whether the entry can be mapped; it is a part of the access rights.
     pub const MAPPABLE: u8 = 1 << 2;
+    /// The unit, 32 bits.
+    pub const UNIT: u8 = 1 << 3;
     /// The default value.
     pub const DEFAULT: u8 = 1 << 4;
     /// The smallest value.
