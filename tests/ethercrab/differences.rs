@@ -10,7 +10,14 @@ const SAVED: &str = "the family's ESI file maps it in both directions, and 0x101
 const READ_ONLY: &str = "reserved, which users must not set (manual 2.2.18), or set by the drive itself";
 
 /// Objects that the real unit's firmware does not have yet.
-pub const ADDED: &[(u16, &str)] = &[(0x204B, "in the manual since V203"), (0x204C, "in the manual since V203")];
+pub const ADDED: &[(u16, &str)] = &[
+    (
+        0x10F3,
+        "the event log as configuration tools read it (ETG.1020); the real unit keeps none",
+    ),
+    (0x204B, "in the manual since V203"),
+    (0x204C, "in the manual since V203"),
+];
 
 /// All differences; every row is needed.
 pub const DIFFERENCES: &[Difference] = &[

@@ -45,7 +45,7 @@ fn bytes(value: i64, entry: &Entry) -> Vec<u8> {
 #[test]
 fn every_object_is_read_with_its_length() {
     in_preop(async |drive| {
-        for entry in entries().filter(|entry| !matches!(entry.index, 0x1600..=0x1AFF | 0x1C12 | 0x1C13)) {
+        for entry in entries().filter(|entry| !matches!(entry.index, 0x10F3 | 0x1600..=0x1AFF | 0x1C12 | 0x1C13)) {
             let value = sdo::read(drive, address(entry))
                 .await
                 .unwrap_or_else(|error| panic!("{}: {error}", address(entry)));
@@ -83,7 +83,7 @@ fn the_identity_and_names_are_those_of_the_device() {
 #[test]
 fn sub_index_0_of_every_record_is_its_highest_sub_index() {
     let mut highest = BTreeMap::new();
-    for entry in entries().filter(|entry| entry.in_record() && !matches!(entry.index, 0x1600..=0x1AFF | 0x1C12 | 0x1C13)) {
+    for entry in entries().filter(|entry| entry.in_record() && !matches!(entry.index, 0x10F3 | 0x1600..=0x1AFF | 0x1C12 | 0x1C13)) {
         highest.insert(entry.index, entry.sub);
     }
     in_preop(async |drive| {

@@ -11,6 +11,7 @@ use crate::agreement::rig;
 use crate::raw_mailbox::inform;
 
 const VISIBLE_STRING: u16 = 9;
+const OCTET_STRING: u16 = 10;
 
 /// The data type with this name in an ESI (ETG.2000; ETG.1000.6, basic data types).
 pub fn type_code(name: &str) -> u16 {
@@ -24,6 +25,7 @@ pub fn type_code(name: &str) -> u16 {
         "UDINT" => 7,
         "ULINT" => 0x1B,
         name if name.starts_with("STRING(") => VISIBLE_STRING,
+        name if name.ends_with("] OF BYTE") => OCTET_STRING,
         name => panic!("{name} is no basic type"),
     }
 }
@@ -58,7 +60,7 @@ fn limits_of_type(data_type: u16, bits: u32) -> [String; 2] {
     let mut most = all.clone();
     let mut least = vec![0; bytes];
     match data_type {
-        VISIBLE_STRING => return Default::default(),
+        VISIBLE_STRING | OCTET_STRING => return Default::default(),
         1 => most = vec![1],
         2..=4 => (most[bytes - 1], least[bytes - 1]) = (0x7F, 0x80),
         _ => {}
@@ -142,12 +144,12 @@ fn in_esi() -> Dictionary {
                 "{index:04X}"
             );
             offset = if offset == 0 { 16 } else { offset + member.number("BitSize") };
-            match member.find("ArrayInfo") {
-                None => add(item.number("SubIdx"), flags, member),
-                Some(array) => {
-                    let first = array.number("LBound");
-                    (first..first + array.number("Elements")).for_each(|sub| add(sub, flags, types[member.text("BaseType")]));
-                }
+            if item.find("SubIdx").is_some() {
+                add(item.number("SubIdx"), flags, member);
+            } else {
+                let first = member.number("ArrayInfo/LBound");
+                let elements = first..first + member.number("ArrayInfo/Elements");
+                elements.for_each(|sub| add(sub, flags, types[member.text("BaseType")]));
             }
         }
         assert!(values.next().is_none(), "{index:04X}");
@@ -179,8 +181,11 @@ async fn from_drive(drive: &SubDeviceRef<'_, &SubDevice>, index: u16, sub: u8, o
     let unit = take(UNIT, 4);
     let mut default = take(DEFAULT, usize::from(bits).div_ceil(8));
     let limits = [MINIMUM, MAXIMUM].map(|flag| digits(&take(flag, usize::from(bits).div_ceil(8))));
-    if data_type == VISIBLE_STRING {
-        default = sdo::read(drive, Address { index, sub }).await.unwrap();
+    match data_type {
+        VISIBLE_STRING => default = sdo::read(drive, Address { index, sub }).await.unwrap(),
+        // A message that is not there yet has no value; the ESI fills its place with zeros.
+        OCTET_STRING => default = vec![0; usize::from(bits) / 8],
+        _ => {}
     }
     Some(Facts {
         object: object.to_owned(),

@@ -81,10 +81,22 @@ fn the_sii_names_mailboxes_sync_managers_and_fmmus_alike() {
         general[5], 0x2F,
         "SDO, SDO information, PDO assignment, PDO configuration, complete access"
     );
+    assert_eq!(general[6], 1, "FoE");
+    assert_eq!(image.word(word::MAILBOX_PROTOCOLS), 0x000C, "CoE and FoE");
     assert_eq!(
         general[11], 0x0C,
         "mailbox messages are repeated, the device identifies itself in the AL status code"
     );
+}
+
+#[test]
+fn the_esi_has_the_text_of_every_diagnosis_message() {
+    let esi = usr2556e::esi::document().unwrap();
+    for message in slave::event_log::MESSAGES {
+        let (_, behind) = esi.split_once(&format!("<TextId>#x{:04X}</TextId>", message.id)).unwrap();
+        let expected = format!("<MessageText>{}</MessageText>", message.text);
+        assert!(behind.trim_start().starts_with(&expected), "{expected}");
+    }
 }
 
 #[test]

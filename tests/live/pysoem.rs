@@ -24,6 +24,10 @@ pub const CASES: &[Case] = &[
     ("pysoem_finds_drives_at_the_other_end_of_a_cable", || {
         outcome(drives_at_the_other_end_of_a_cable())
     }),
+    (
+        "pysoem_reads_the_event_log_and_restores_parameters_from_a_file",
+        || outcome(files()),
+    ),
     ("an_alias_that_pysoem_writes_outlasts_the_program", || {
         outcome(an_alias_that_outlasts_the_program())
     }),
@@ -53,6 +57,12 @@ fn faults(part: &str, drives: usize, options: &[&str]) -> Result<(), String> {
     let count = drives.to_string();
     let script = script("pysoem", "pysoem_faults.py", &["--drives", &count, part])?;
     check(exec(&[&["--drives", &count], options].concat(), script, 1000)?, drives);
+    Ok(())
+}
+
+fn files() -> Result<(), String> {
+    let script = script("pysoem", "files.py", &[])?;
+    exec(&[], script, 100)?.with(0).prints(&["OK   everything"]);
     Ok(())
 }
 

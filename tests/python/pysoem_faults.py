@@ -21,8 +21,9 @@ import pysoem
 
 import motion
 import objects
+from process_data import PATIENCE
 from pysoem_session import FORGIVEN_SYNC_ERRORS, MASTER_ERRORS, describe
-from segment import FRAME_TIMEOUT, PATIENCE, Segment
+from segment import FRAME_TIMEOUT, Segment
 from verdict import Failure, expect, expect_equal, ok
 
 PERIOD = 1_000_000

@@ -4,15 +4,18 @@ use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects};
 use drive::faults::Fault;
 use drive::{Drive, DriveObjects};
 use embedded_storage::nor_flash::NorFlash;
+use slave::files::{File, FileError, Line};
 use wire::coe::Emergency;
 
+use crate::parameter_file::{self, ParameterFile};
 use crate::{parameter_set, parameter_store};
 
-/// The drive's objects, guarded by the drive's present state, and the memory for those that can be saved.
+/// The drive's objects, guarded by the drive's present state, and where they can be saved and backed up.
 pub(crate) struct Application<'a, M> {
     pub(crate) drive: &'a Drive,
     pub(crate) objects: &'a mut DriveObjects,
     pub(crate) memory: &'a mut M,
+    pub(crate) parameter_file: &'a mut ParameterFile,
 }
 
 impl<M> Objects for Application<'_, M> {
@@ -52,6 +55,26 @@ impl<M: NorFlash> slave::Application for Application<'_, M> {
     fn restore_defaults(&mut self) -> Result<(), AbortCode> {
         self.refuse_while_moving()?;
         parameter_store::save(self.memory, &parameter_set::delivery())
+    }
+
+    fn files(&self) -> &'static [File] {
+        parameter_file::FILES
+    }
+
+    fn file_line(&self, _: usize, line: usize, out: &mut Line) -> bool {
+        parameter_file::line(self.objects, line, out)
+    }
+
+    fn begin_file(&mut self, _: usize) -> Result<(), FileError> {
+        self.parameter_file.begin(self.drive, self.objects)
+    }
+
+    fn write_file(&mut self, _: usize, data: &[u8]) -> Result<(), FileError> {
+        self.parameter_file.take(data)
+    }
+
+    fn finish_file(&mut self, _: usize) -> Result<(), FileError> {
+        self.parameter_file.finish(self.drive, self.objects)
     }
 }
 

@@ -5,6 +5,7 @@
 //! | [`identity`] | names and numbers: the one table behind 0x1018, SII and ESI |
 //! | [`layout`] | sync managers, FMMUs, default PDOs, clock modes, time-outs |
 //! | [`sii`] | the EEPROM image made from both |
+//! | `parameter_file` | saved parameters as a file: backup and restore |
 //! | `application` | what the slave stack asks of the drive |
 //! | `parameter_set` | the saved parameters as bytes |
 //! | `parameter_store` | the flash that keeps them, whatever happens to the power |
@@ -23,6 +24,7 @@ mod application;
 mod flash;
 pub mod identity;
 pub mod layout;
+mod parameter_file;
 mod parameter_set;
 mod parameter_store;
 pub mod sii;
@@ -36,6 +38,7 @@ use drive::{Drive, DriveObjects};
 pub use embedded_storage::nor_flash;
 pub use flash::NoMemory;
 use nor_flash::NorFlash;
+use parameter_file::ParameterFile;
 use site_address::SiteAddress;
 pub use slave::MAX_OBJECT_SIZE;
 use slave::{Configuration, Identity, Leds, MailboxLimits, Slave, Sync};
@@ -53,6 +56,7 @@ pub struct Device {
     drive: Drive,
     objects: DriveObjects,
     site_address: SiteAddress,
+    parameter_file: ParameterFile,
 }
 
 impl Device {
@@ -68,6 +72,7 @@ impl Device {
             drive,
             objects,
             site_address: SiteAddress::default(),
+            parameter_file: ParameterFile::new(),
         }
     }
 
@@ -81,6 +86,7 @@ impl Device {
             drive: &self.drive,
             objects: &mut self.objects,
             memory,
+            parameter_file: &mut self.parameter_file,
         };
         self.slave.publish_inputs(esc, &application, now);
         actuators
@@ -99,6 +105,7 @@ impl Device {
             drive: &self.drive,
             objects: &mut self.objects,
             memory,
+            parameter_file: &mut self.parameter_file,
         };
         let report = self.slave.poll(esc, &mut application, now);
         self.drive.set_network(report.state == AlState::Op);
@@ -121,6 +128,7 @@ impl Device {
             drive: &self.drive,
             objects: &mut self.objects,
             memory: &mut NoMemory,
+            parameter_file: &mut self.parameter_file,
         };
         self.slave.read_object(&application, index, sub, now, out)
     }

@@ -2,7 +2,7 @@
 
 use drive::DriveObjects;
 use heapless::Vec;
-use wire::sii::{PROTOCOL_COE, Writer, category, is_intact, word};
+use wire::sii::{PROTOCOL_COE, PROTOCOL_FOE, Writer, category, is_intact, word};
 
 use crate::{identity, layout};
 
@@ -17,6 +17,8 @@ const PDI_CONFIGURATION: u16 = 0xEE03;
 const SYNC_PULSE_LENGTH: u16 = 1000;
 /// CoE details: SDO (bit 0), SDO information (bit 1), PDO assignment (bit 2), PDO configuration (bit 3), complete access (bit 5).
 pub const COE_DETAILS: u8 = 0x01 | 0x02 | 0x04 | 0x08 | 0x20;
+/// FoE details: there is FoE.
+pub const FOE_DETAILS: u8 = 1;
 /// General flags: the data link layer of the mailbox repeats lost messages (bit 2), the device identifies itself in the AL status code
 /// (bit 3).
 const GENERAL_FLAGS: u8 = 0x04 | 0x08;
@@ -110,14 +112,14 @@ fn write_fixed_area(writer: &mut Writer, serial: u32, alias: u16) {
         writer.set_word(word::MAILBOXES + 2 * i, mailbox.start);
         writer.set_word(word::MAILBOXES + 2 * i + 1, mailbox.length);
     }
-    writer.set_word(word::MAILBOX_PROTOCOLS, PROTOCOL_COE);
+    writer.set_word(word::MAILBOX_PROTOCOLS, PROTOCOL_COE | PROTOCOL_FOE);
 }
 
 /// The general category: 32 bytes, neither more nor fewer (IgH checks).
 fn write_general(w: &mut Writer, strings: &Strings) {
     let name = strings.number(identity::NAME);
     let group = strings.number(identity::GROUP);
-    w.bytes(&[group, 0, name, name, 0, COE_DETAILS, 0, 0, 0, 1, 0, GENERAL_FLAGS]);
+    w.bytes(&[group, 0, name, name, 0, COE_DETAILS, FOE_DETAILS, 0, 0, 1, 0, GENERAL_FLAGS]);
     w.u16(0); // no current is drawn from an E-bus
     w.bytes(&[group, 0]);
     w.u16(PHYSICAL_PORTS);

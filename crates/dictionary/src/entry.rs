@@ -20,6 +20,8 @@ pub enum DataType {
     Unsigned32 = 0x0007,
     /// VISIBLE_STRING.
     VisibleString = 0x0009,
+    /// OCTET_STRING: bytes that are no text; as many as the entry has.
+    OctetString = 0x000A,
     /// UNSIGNED64.
     Unsigned64 = 0x001B,
 }
@@ -38,7 +40,7 @@ impl DataType {
             Self::Integer16 | Self::Unsigned16 => Some(16),
             Self::Integer32 | Self::Unsigned32 => Some(32),
             Self::Unsigned64 => Some(64),
-            Self::VisibleString => None,
+            Self::VisibleString | Self::OctetString => None,
         }
     }
 
@@ -52,7 +54,8 @@ impl DataType {
         }
     }
 
-    /// The type's name in an ESI file (ETG.2000); strings carry their length there and are left to the caller.
+    /// The type's name in an ESI file (ETG.2000). Strings carry their length there, which is left to the caller; those of octets are arrays of
+    /// the type named here.
     pub const fn esi_name(self) -> &'static str {
         match self {
             Self::Boolean => "BOOL",
@@ -64,6 +67,7 @@ impl DataType {
             Self::Unsigned32 => "UDINT",
             Self::Unsigned64 => "ULINT",
             Self::VisibleString => "STRING",
+            Self::OctetString => "BYTE",
         }
     }
 

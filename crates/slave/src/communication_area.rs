@@ -6,9 +6,10 @@ use wire::Nanos;
 use crate::application::Application;
 use crate::configuration::Configuration;
 use crate::device_objects::Bytes;
+use crate::event_log::{Event, EventLog};
 use crate::objects::{
-    DEVICE_NAME, FixedObjects, HARDWARE_VERSION, INPUT_PARAMETERS, OUTPUT_PARAMETERS, RX_ASSIGNMENT, RX_MAPPING, SOFTWARE_VERSION,
-    TX_ASSIGNMENT, fixed,
+    DEVICE_NAME, DIAGNOSIS_HISTORY, FixedObjects, HARDWARE_VERSION, INPUT_PARAMETERS, OUTPUT_PARAMETERS, RX_ASSIGNMENT, RX_MAPPING,
+    SOFTWARE_VERSION, TX_ASSIGNMENT, fixed,
 };
 use crate::pdo::PdoConfiguration;
 use crate::sync_parameters::SyncParameters;
@@ -22,6 +23,8 @@ pub(crate) struct CommunicationArea {
     pub(crate) outputs: SyncParameters,
     /// 0x1C33.
     pub(crate) inputs: SyncParameters,
+    /// What has happened, and 0x10F3.
+    pub(crate) log: EventLog,
     fixed: FixedObjects,
     names: [&'static str; 3],
     /// What is added to the stack's time to give 0x10F8.
@@ -43,6 +46,7 @@ impl CommunicationArea {
             pdo: PdoConfiguration::new(configuration),
             outputs: SyncParameters::outputs(configuration.minimum_cycle_ns, configuration.reaction_ns),
             inputs: SyncParameters::inputs(configuration.minimum_cycle_ns, configuration.reaction_ns),
+            log: EventLog::default(),
             fixed,
             names: [
                 configuration.device_name,
@@ -63,11 +67,20 @@ impl CommunicationArea {
         [&mut self.outputs, &mut self.inputs]
     }
 
+    /// 0x10F8: the device's time.
+    pub(crate) const fn device_time(&self, now: Nanos) -> u64 {
+        now.0.wrapping_add(self.timestamp_offset)
+    }
+
     /// Copies the value in a slot of [`FixedObjects`] to `out` and returns its size in bytes.
     pub(crate) fn load_fixed(&self, slot: usize, error_register: u8, now: Nanos, out: &mut [u8; MAX_VALUE_SIZE]) -> usize {
         match slot {
             fixed::error_register => error_register.put(out),
-            fixed::timestamp => now.0.wrapping_add(self.timestamp_offset).put(out),
+            fixed::newest_message => self.log.newest_message().put(out),
+            fixed::acknowledged_message => self.log.acknowledged_message().put(out),
+            fixed::new_messages => self.log.has_news().put(out),
+            fixed::diagnosis_flags => self.log.flags().put(out),
+            fixed::timestamp => self.device_time(now).put(out),
             _ => self.fixed.load(slot, out),
         }
     }
@@ -81,8 +94,18 @@ impl CommunicationArea {
         now: Nanos,
     ) -> Result<(), AbortCode> {
         match slot {
-            fixed::save_all => command(data).and_then(|()| application.store_parameters()),
-            fixed::restore_all => command(data).and_then(|()| application.restore_defaults()),
+            fixed::save_all => {
+                command(data).and_then(|()| application.store_parameters())?;
+                self.log.add(Event::ParametersSaved);
+                Ok(())
+            }
+            fixed::restore_all => {
+                command(data).and_then(|()| application.restore_defaults())?;
+                self.log.add(Event::DefaultsRestored);
+                Ok(())
+            }
+            fixed::acknowledged_message => self.log.acknowledge(u8::take(data).ok_or(AbortCode::LengthMismatch)?),
+            fixed::diagnosis_flags => self.log.set_flags(u16::take(data).ok_or(AbortCode::LengthMismatch)?),
             fixed::timestamp => {
                 let time = u64::take(data).ok_or(AbortCode::LengthMismatch)?;
                 self.timestamp_offset = time.wrapping_sub(now.0);
@@ -97,6 +120,8 @@ impl CommunicationArea {
         let mut out = [0; MAX_VALUE_SIZE];
         let size = match entry.index {
             DEVICE_NAME..=SOFTWARE_VERSION => return Ok(self.name(entry.index)),
+            DIAGNOSIS_HISTORY if entry.in_record() => return self.log.message(entry.sub),
+            DIAGNOSIS_HISTORY => self.log.highest().put(&mut out),
             RX_MAPPING..0x1C00 | RX_ASSIGNMENT | TX_ASSIGNMENT => self.pdo.load(entry.index, entry.sub, &mut out)?,
             OUTPUT_PARAMETERS => self.outputs.load(entry.sub, &mut out),
             INPUT_PARAMETERS => self.inputs.load(entry.sub, &mut out),

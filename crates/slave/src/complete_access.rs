@@ -35,7 +35,8 @@ impl Layout {
     /// The layout of the transfer that begins at `address`.
     ///
     /// # Errors
-    /// 0x06020000 for an object that does not exist, 0x06010000 for an object of one value and for a transfer from sub-index 2 on.
+    /// 0x06020000 for an object that does not exist, 0x06010000 for an object of one value and for a transfer from sub-index 2 on,
+    /// 0x06010004 for an object with entries that are no numbers.
     fn new(address: Address, application: &'static [Entry]) -> Result<Self, AbortCode> {
         let entries = entries(address.index, application);
         let Some(last) = entries.last() else {
@@ -43,6 +44,9 @@ impl Layout {
         };
         if !last.in_record() || address.sub > 1 {
             return Err(AbortCode::UnsupportedAccess);
+        }
+        if entries.iter().any(|entry| entry.data_type.bits().is_none()) {
+            return Err(AbortCode::CompleteAccessUnsupported);
         }
         Ok(Self {
             index: address.index,

@@ -9,7 +9,7 @@ use wire::coe::Address;
 use crate::application::Application;
 use crate::communication_area::CommunicationArea;
 use crate::configuration::MAX_OBJECT_SIZE;
-use crate::objects::{ENTRIES, FixedObjects};
+use crate::objects::{DIAGNOSIS_HISTORY, ENTRIES, FixedObjects};
 
 /// The value of one object.
 pub(crate) type Bytes = Vec<u8, MAX_OBJECT_SIZE>;
@@ -89,6 +89,13 @@ impl<A: Application> DeviceObjects<'_, A> {
             self.check_state(entry.access.bits())?;
         }
         load(self.area, self.application, address, self.now)
+    }
+
+    /// The master has read an object: it knows a diagnosis message then.
+    pub(crate) fn was_read(&mut self, address: Address) {
+        if address.index == DIAGNOSIS_HISTORY {
+            self.area.log.was_read(address.sub);
+        }
     }
 
     /// Whether a download of `size` bytes can begin.

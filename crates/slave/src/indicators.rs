@@ -9,8 +9,8 @@ use crate::stack::Slave;
 /// What an error is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// The master asked for a change of state that was refused.
-    Request,
+    /// The master asked for a state, with this code, and the change was refused.
+    Request(u8),
     /// The device has left a state by itself.
     Device,
 }
@@ -58,7 +58,7 @@ const fn error(code: AlStatusCode, origin: Origin) -> Pattern {
         (AlStatusCode::None, _) => Pattern::OFF,
         (AlStatusCode::SyncManagerWatchdog, _) => Pattern::DOUBLE_FLASH,
         (AlStatusCode::SynchronizationError | AlStatusCode::FatalSyncError | AlStatusCode::NoSyncSignal, _) => Pattern::SINGLE_FLASH,
-        (_, Origin::Request) => Pattern::BLINKING,
+        (_, Origin::Request(_)) => Pattern::BLINKING,
         (_, Origin::Device) => Pattern::SINGLE_FLASH,
     }
 }

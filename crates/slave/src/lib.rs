@@ -11,10 +11,13 @@
 //! | `supervision` | what makes the stack leave a state by itself |
 //! | `sync_managers` | sync managers 0 to 3 and what is required of them |
 //! | `mailbox` | receiving, answering, counting and repeating mailbox messages |
+//! | [`event_log`] | what has happened since power-on: 0x10F3 and a file |
 //! | `emergency` | emergency messages on their way to the master |
 //! | `coe` | which CoE service a message is for |
 //! | `sdo` | the SDO server: uploads and downloads, expedited, normal and segmented |
 //! | `information` | SDO information: which objects there are, and what is known of them |
+//! | `foe` | the FoE server: files read and written |
+//! | [`files`] | what a file is |
 //! | [`objects`] | the table of objects 0x1000 to 0x1FFF |
 //! | `communication_area` | the values of these objects |
 //! | `device_objects` | both dictionaries as one, with access rights by state |
@@ -42,6 +45,9 @@ pub mod configuration;
 mod device_objects;
 mod emergency;
 pub mod esm;
+pub mod event_log;
+pub mod files;
+mod foe;
 pub mod indicators;
 mod information;
 mod mailbox;

@@ -2,6 +2,7 @@
 
 use heapless::{Deque, Vec};
 use wire::coe::{Emergency, SdoResponse, Service};
+use wire::foe;
 use wire::mailbox::{HEADER_SIZE, Header, MailboxError, Protocol};
 use wire::register::{self, sync_manager};
 use wire::{AlEvents, EscAccess};
@@ -84,6 +85,11 @@ impl Mailbox {
         usize::from(self.back.length)
     }
 
+    /// The length of the mailbox from the master, in bytes.
+    pub(crate) fn request_capacity(&self) -> usize {
+        usize::from(self.out.length)
+    }
+
     /// Whether a request can be taken.
     pub(crate) fn has_room(&self) -> bool {
         self.queue.len() < QUEUE
@@ -128,6 +134,12 @@ impl Mailbox {
     pub(crate) fn inform(&mut self, request: &Header, information: &Information) {
         let service = Service::SdoInformation.header();
         self.queue(request, Protocol::COE, &[&service, &information.header.bytes(), &information.data]);
+    }
+
+    /// Queues a message of FoE that answers the one with this header.
+    pub(crate) fn transfer(&mut self, request: &Header, message: &foe::Message<'_>) {
+        let (front, rest) = message.parts();
+        self.queue(request, Protocol::FOE, &[&front, rest]);
     }
 
     /// Queues a mailbox error reply to the request with this header.

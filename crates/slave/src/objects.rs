@@ -1,10 +1,11 @@
-//! The table of objects 0x1000 to 0x1FFF (ETG.1000.6, communication area; ETG.1020 for 0x10F1, 0x1C32 and 0x1C33).
+//! The table of objects 0x1000 to 0x1FFF (ETG.1000.6, communication area; ETG.1020 for 0x10F1, 0x10F3, 0x1C32 and 0x1C33).
 //!
-//! Rows of one value are declared with [`object_dictionary!`](dictionary::object_dictionary); strings, PDO mappings, PDO assignments and
-//! the sync manager parameters, whose rows repeat or have gaps, are generated beside them.
+//! Rows of one value are declared with [`object_dictionary!`](dictionary::object_dictionary); strings, PDO mappings, PDO assignments,
+//! diagnosis messages and the sync manager parameters, whose rows repeat or have gaps, are generated beside them.
 
 use dictionary::{Access, DataType, Entry, object_dictionary};
 
+use crate::event_log::{self, history};
 use crate::sync_parameters;
 
 /// PDO mapping objects of each direction, from 0x1600 and 0x1A00 on; as many can be assigned.
@@ -18,6 +19,8 @@ pub(crate) const RX_MAPPING: u16 = 0x1600;
 pub(crate) const TX_MAPPING: u16 = 0x1A00;
 /// Identity.
 const IDENTITY: u16 = 0x1018;
+/// Diagnosis history.
+pub(crate) const DIAGNOSIS_HISTORY: u16 = 0x10F3;
 /// What the sync managers are for.
 const SYNC_MANAGER_TYPES: u16 = 0x1C00;
 /// The assignment of RxPDOs to sync manager 2.
@@ -58,6 +61,16 @@ object_dictionary! {
         0x10F1:1 local_error_reaction: u32 = 1, RW, "Local Error Reaction" of "Error Settings";
         /// Missed outputs that end OP, each counted three; 0 switches the check off (ETG.1020).
         0x10F1:2 sync_error_limit: u16 = 4, RW, "Sync Error Counter Limit" of "Error Settings";
+        /// How many messages the history holds (ETG.1020).
+        0x10F3:1 maximum_messages: u8 = event_log::CAPACITY as u8, RO, "Maximum Messages" of "Diagnosis History";
+        /// Sub-index of the newest message, 0 for none (ETG.1020).
+        0x10F3:2 newest_message: u8 = 0, RO, "Newest Message" of "Diagnosis History";
+        /// Sub-index of the newest message that was acknowledged; writing 0 clears the history (ETG.1020).
+        0x10F3:3 acknowledged_message: u8 = 0, RW, "Newest Acknowledged Message" of "Diagnosis History";
+        /// Whether the newest message was neither read nor acknowledged (ETG.1020).
+        0x10F3:4 new_messages: bool = false, RO | TX_PDO, "New Messages Available" of "Diagnosis History";
+        /// Bits 1, 2, 3: leave out information, warnings, errors; bit 5: a message that was not acknowledged was overwritten (ETG.1020).
+        0x10F3:5 diagnosis_flags: u16 = 0, RW, "Flags" of "Diagnosis History";
         /// Time of the device (ETG.1020).
         0x10F8:0 timestamp: u64 = 0, RW | TX_PDO, unit "ns", "Timestamp Object";
         /// Sync manager 0 receives the mailbox.
@@ -109,6 +122,8 @@ const COUNT: usize = FixedObjects::ENTRIES.len()
     + STRINGS.len()
     + MAPPINGS.len() * (MAX_MAPPING_ENTRIES + 1)
     + 2 * (PDOS_PER_DIRECTION + 1)
+    + 1
+    + event_log::CAPACITY
     + 2 * sync_parameters::ROWS.len();
 
 /// All entries of 0x1000 to 0x1FFF, sorted. Strings have 0 bits here; values that come from the configuration are read from the stack.
@@ -147,6 +162,7 @@ pub const ENTRIES: &[Entry] = &{
         PDOS_PER_DIRECTION,
         DataType::Unsigned16,
     );
+    (table, length) = append_messages(table, length);
     let mut i = 0;
     while i < sync_parameters::ROWS.len() {
         let row = &sync_parameters::ROWS[i];
@@ -196,6 +212,25 @@ const fn append_list(
             table[length].max = count as i64;
         }
         (length, sub) = (length + 1, sub + 1);
+    }
+    (table, length)
+}
+
+/// Appends the sub-index 0 and the messages of the diagnosis history.
+const fn append_messages(mut table: [Entry; COUNT], mut length: usize) -> ([Entry; COUNT], usize) {
+    let (object, doc) = ("Diagnosis History", " Sub-index of the last message.\n");
+    table[length] = entry(DIAGNOSIS_HISTORY, 0, (COUNT_NAME, object), DataType::Unsigned8, Access::RO, doc);
+    let behind = history::FIRST_MESSAGE as i64 - 1;
+    (table[length].min, table[length].max) = (behind, behind + event_log::CAPACITY as i64);
+    length += 1;
+    let mut i = 0;
+    while i < event_log::CAPACITY {
+        let doc = " Code, flags, text, time, parameters (ETG.1020).\n";
+        let sub = history::FIRST_MESSAGE + i as u8;
+        let name = (history::NAMES[i], object);
+        table[length] = entry(DIAGNOSIS_HISTORY, sub, name, DataType::OctetString, Access::RO, doc);
+        (table[length].bits, table[length].max) = (8 * history::MESSAGE_SIZE as u16, 0);
+        (length, i) = (length + 1, i + 1);
     }
     (table, length)
 }
@@ -316,8 +351,8 @@ mod tests {
         assert_eq!(
             indices,
             [
-                0x1000, 0x1001, 0x1008, 0x1009, 0x100A, 0x1010, 0x1011, 0x1018, 0x10F1, 0x10F8, 0x1600, 0x1601, 0x1602, 0x1A00, 0x1A01,
-                0x1A02, 0x1C00, 0x1C12, 0x1C13, 0x1C32, 0x1C33
+                0x1000, 0x1001, 0x1008, 0x1009, 0x100A, 0x1010, 0x1011, 0x1018, 0x10F1, 0x10F3, 0x10F8, 0x1600, 0x1601, 0x1602, 0x1A00,
+                0x1A01, 0x1A02, 0x1C00, 0x1C12, 0x1C13, 0x1C32, 0x1C33
             ]
         );
     }

@@ -3,14 +3,15 @@
 use dictionary::{AbortCode, Entry};
 use wire::al::{AlState, AlStatus, AlStatusCode};
 use wire::coe::Address;
-use wire::mailbox::{MailboxError, Protocol};
-use wire::{AlEvents, EscAccess, Nanos, register};
+use wire::mailbox::{Header, MailboxError, Protocol};
+use wire::{AlEvents, EscAccess, Nanos, foe, register};
 
 use crate::application::Application;
 use crate::coe::{Answer, Servers};
 use crate::communication_area::CommunicationArea;
 use crate::configuration::{Configuration, MAX_MAILBOX};
 use crate::device_objects::{self, DeviceObjects};
+use crate::foe::{Capacity, FileAnswer, FileServer};
 use crate::indicators::{Leds, Patterns};
 use crate::mailbox::{Mailbox, REQUEST_EVENT};
 use crate::process_data::ProcessData;
@@ -30,6 +31,7 @@ pub struct Slave {
     pub(crate) code: AlStatusCode,
     pub(crate) mailbox: Mailbox,
     pub(crate) servers: Servers,
+    pub(crate) files: FileServer,
     pub(crate) process: ProcessData,
     pub(crate) mode: Mode,
     pub(crate) sequence: Sequence,
@@ -87,6 +89,7 @@ impl Slave {
             code: AlStatusCode::None,
             mailbox: Mailbox::at_power_on(),
             servers: Servers::default(),
+            files: FileServer::default(),
             process: ProcessData::new(),
             mode: Mode::FreeRun,
             sequence: Sequence::default(),
@@ -126,6 +129,7 @@ impl Slave {
     ///
     /// To be called every control tick and right after each frame.
     pub fn poll(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Report {
+        self.area.log.observe(self.area.device_time(now), application.emergency());
         let mut sync = None;
         let mut events = esc.events();
         if events.has(self.interest) {
@@ -291,6 +295,7 @@ impl Slave {
         // A master that asks for something else does not wait for the rest of a list.
         self.servers.information.reset();
         let outcome = match body {
+            Ok(body) if header.protocol == Protocol::FOE => return self.serve_file(&header, body, application, now),
             Ok(body) if header.protocol == Protocol::COE => {
                 self.servers
                     .serve(body, &header, &mut objects, &self.configuration, self.mailbox.capacity())
@@ -303,6 +308,33 @@ impl Slave {
             Ok(Answer::Information(information)) => self.mailbox.inform(&header, &information),
             Ok(Answer::None) => {}
             Err(error) => self.mailbox.refuse(&header, error),
+        }
+    }
+
+    /// Answers a message of FoE.
+    fn serve_file(&mut self, header: &Header, body: &[u8], application: &mut impl Application, now: Nanos) {
+        let Some(message) = foe::Message::parse(body) else {
+            return self.mailbox.refuse(header, MailboxError::SizeTooShort);
+        };
+        let capacity = Capacity {
+            request: self.mailbox.request_capacity(),
+            answer: self.mailbox.capacity(),
+        };
+        let mut objects = DeviceObjects {
+            area: &mut self.area,
+            application,
+            state: self.status.state,
+            now,
+        };
+        match self.files.serve(message, &mut objects, self.configuration.device_name, capacity) {
+            Some(FileAnswer::Message(answer)) => self.mailbox.transfer(header, &answer),
+            Some(FileAnswer::Error(error)) => {
+                let text = error.text.as_bytes();
+                let text = &text[..text.len().min(capacity.of_answers())];
+                let code = error.code.code();
+                self.mailbox.transfer(header, &foe::Message::Error { code, text });
+            }
+            None => {}
         }
     }
 

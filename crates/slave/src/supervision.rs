@@ -27,7 +27,7 @@ impl Slave {
         }
         if self.mailbox.was_moved(&all) {
             self.mailbox.start(esc, &all);
-            self.servers.reset();
+            self.reset_servers();
         }
         self.mailbox.follow_repeat(esc, all[sync_managers::MAILBOX_IN].repeat_requested());
     }
@@ -82,7 +82,7 @@ impl Slave {
             } else {
                 AlStatusCode::NoSyncSignal
             };
-            self.set_status(esc, AlState::SafeOp, code, Origin::Request);
+            self.set_status(esc, AlState::SafeOp, code, Origin::Request(AlState::Op.code()));
         }
         None
     }
@@ -94,7 +94,7 @@ impl Slave {
         for parameters in self.area.sync_parameters() {
             parameters.start_counting();
         }
-        self.set_status(esc, AlState::Op, AlStatusCode::None, Origin::Request);
+        self.set_status(esc, AlState::Op, AlStatusCode::None, Origin::Request(AlState::Op.code()));
         self.process.has_outputs().then(|| self.take_effect(application))
     }
 

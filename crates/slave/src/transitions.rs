@@ -7,6 +7,7 @@ use wire::{AlEvents, EscAccess, Nanos};
 
 use crate::application::Application;
 use crate::esm::{self, Decision};
+use crate::event_log::Event;
 use crate::indicators::{Origin, Patterns};
 use crate::mailbox::REQUEST_EVENT;
 use crate::pdo::Direction;
@@ -37,10 +38,11 @@ impl Slave {
             Decision::Change(AlState::Op) => self.request_op(esc, pending.unwrap_or(now)),
             Decision::Change(target) => self.change(esc, application, target, now).map(|()| target),
         };
+        let origin = Origin::Request(control.state_code());
         match outcome {
-            Ok(state) => self.set_status(esc, state, AlStatusCode::None, Origin::Request),
-            Err((state, code)) if state < self.status.state => self.give_up(esc, state, code, Origin::Request),
-            Err((state, code)) => self.set_status(esc, state, code, Origin::Request),
+            Ok(state) => self.set_status(esc, state, AlStatusCode::None, origin),
+            Err((state, code)) if state < self.status.state => self.give_up(esc, state, code, origin),
+            Err((state, code)) => self.set_status(esc, state, code, origin),
         }
     }
 
@@ -74,7 +76,7 @@ impl Slave {
         let all = sync_managers::read(esc);
         sync_managers::check_mailboxes(&all, &self.configuration.mailbox).map_err(|code| (AlState::Init, code))?;
         self.mailbox.start(esc, &all);
-        self.servers.reset();
+        self.reset_servers();
         // A choice of synchronisation holds for the master that made it, not for the next one.
         (self.area.outputs.chosen, self.area.inputs.chosen) = (false, false);
         Ok(())
@@ -83,7 +85,13 @@ impl Slave {
     /// To INIT.
     pub(crate) fn stop_mailbox(&mut self) {
         self.mailbox.stop();
+        self.reset_servers();
+    }
+
+    /// Ends all transfers: mailbox communication starts anew, or stops.
+    pub(crate) fn reset_servers(&mut self) {
         self.servers.reset();
+        self.files.reset();
     }
 
     /// PREOP to SAFEOP.
@@ -156,6 +164,9 @@ impl Slave {
     pub(crate) fn set_status(&mut self, esc: &mut impl EscAccess, state: AlState, code: AlStatusCode, origin: Origin) {
         let error = code != AlStatusCode::None;
         let identified = self.identifies && !error;
+        if error {
+            self.area.log.add(event(self.status.state, state, code, origin));
+        }
         self.status = AlStatus { state, error, identified };
         self.code = code;
         self.interest = interest(state);
@@ -168,6 +179,18 @@ impl Slave {
         esc.write(register::RUN_LED, &[self.patterns.run, self.patterns.err].map(Pattern::to_override));
         esc.write_u16(register::AL_STATUS_CODE, shown);
         esc.write_u16(register::AL_STATUS, self.status.bits());
+    }
+}
+
+/// What the log is told of an error.
+const fn event(from: AlState, to: AlState, code: AlStatusCode, origin: Origin) -> Event {
+    match origin {
+        Origin::Request(requested) => Event::Refused {
+            requested,
+            state: to,
+            code,
+        },
+        Origin::Device => Event::Left { from, to, code },
     }
 }
 

@@ -5,6 +5,7 @@
 //! | [`access`] | [`EscAccess`]: how a slave stack reaches its slave controller |
 //! | [`al`] | states, control, status and status codes of the application layer |
 //! | [`coe`] | the CoE header, SDO services, SDO information and emergencies |
+//! | [`foe`] | file access: requests, data, acknowledgements, errors |
 //! | [`frame`] | Ethernet frames, the EtherCAT header, datagrams and their commands |
 //! | [`indicator`] | patterns of RUN, ERR and link/activity LEDs as functions of time |
 //! | [`mailbox`] | the mailbox header and mailbox errors |
@@ -18,6 +19,7 @@
 pub mod access;
 pub mod al;
 pub mod coe;
+pub mod foe;
 pub mod frame;
 pub mod indicator;
 pub mod mailbox;

@@ -52,6 +52,8 @@ pub mod category {
 
 /// Bit of [`word::MAILBOX_PROTOCOLS`] for CAN application protocol over EtherCAT.
 pub const PROTOCOL_COE: u16 = 0x0004;
+/// Bit of [`word::MAILBOX_PROTOCOLS`] for file access over EtherCAT.
+pub const PROTOCOL_FOE: u16 = 0x0008;
 
 /// The checksum algorithm of the configuration area: polynomial x^8 + x^2 + x + 1, start value 0xFF.
 const CHECKSUM: Crc<u8> = {

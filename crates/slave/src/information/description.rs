@@ -112,7 +112,7 @@ fn known(address: Address, objects: &DeviceObjects<'_, impl Application>, config
         bits: if is_string { 8 * length as u16 } else { entry.bits },
         access: entry.access,
         unit: unit::code(entry.unit),
-        values: (!is_string).then_some([default, entry.min, entry.max]),
+        values: entry.data_type.bits().is_some().then_some([default, entry.min, entry.max]),
     })
 }
 

@@ -87,8 +87,9 @@ impl SdoServer {
         }
     }
 
-    fn upload(&mut self, subject: Subject, objects: &DeviceObjects<'_, impl Application>) -> Result<Reply, AbortCode> {
+    fn upload(&mut self, subject: Subject, objects: &mut DeviceObjects<'_, impl Application>) -> Result<Reply, AbortCode> {
         self.transfer = Transfer::Upload(Upload::new(subject, subject.upload(objects)?));
+        objects.was_read(subject.address);
         Ok(Reply::Uploading)
     }
 

@@ -2,7 +2,9 @@
 
 use dictionary::{AbortCode, Entry, MAX_VALUE_SIZE, Objects, object_dictionary};
 use slave::Application;
+use slave::files::{File, FileError, Line};
 use wire::coe::Emergency;
+use wire::foe::ErrorCode;
 
 object_dictionary! {
     /// Objects of every width and right.
@@ -48,6 +50,12 @@ pub struct Lamp {
     pub restored: u32,
     pub refusal: Option<AbortCode>,
     pub fault: u16,
+    /// What `note.txt` holds, in lines of any length up to that of [`Line`].
+    pub note: Vec<String>,
+    /// What was written of it.
+    pub draft: Vec<u8>,
+    /// What `note.txt` is refused with when it is finished.
+    pub note_refusal: Option<&'static str>,
 }
 
 impl Lamp {
@@ -59,6 +67,9 @@ impl Lamp {
             restored: 0,
             refusal: None,
             fault: 0,
+            note: vec![],
+            draft: vec![],
+            note_refusal: None,
         }
     }
 }
@@ -106,5 +117,48 @@ impl Application for Lamp {
         } else {
             Ok(())
         }
+    }
+
+    fn files(&self) -> &'static [File] {
+        &[
+            File {
+                name: "fixed.txt",
+                writable: false,
+            },
+            File {
+                name: "note.txt",
+                writable: true,
+            },
+        ]
+    }
+
+    fn file_line(&self, file: usize, line: usize, out: &mut Line) -> bool {
+        let text = match file {
+            0 => ["fixed\n"].get(line).copied(),
+            _ => self.note.get(line).map(String::as_str),
+        };
+        text.is_some_and(|text| out.push_str(text).is_ok())
+    }
+
+    fn begin_file(&mut self, file: usize) -> Result<(), FileError> {
+        assert_eq!(file, 1);
+        self.draft.clear();
+        if self.locked {
+            return Err(FileError::new(ErrorCode::AccessDenied, format_args!("locked")));
+        }
+        Ok(())
+    }
+
+    fn write_file(&mut self, _: usize, data: &[u8]) -> Result<(), FileError> {
+        self.draft.extend_from_slice(data);
+        Ok(())
+    }
+
+    fn finish_file(&mut self, _: usize) -> Result<(), FileError> {
+        if let Some(reason) = self.note_refusal {
+            return Err(FileError::new(ErrorCode::NotDefined, format_args!("{reason}")));
+        }
+        self.note = vec![String::from_utf8_lossy(&self.draft).into_owned()];
+        Ok(())
     }
 }

@@ -72,7 +72,7 @@ fn messages_that_cannot_be_served_are_answered_with_the_mailbox_error() {
     let cases: [(&str, u8, Vec<u8>, u8); 19] = [
         ("AoE", 1, coe(2, 10), 2),
         ("EoE", 2, coe(2, 10), 2),
-        ("FoE", 4, coe(2, 10), 2),
+        ("no FoE header", 4, coe(2, 5), 6),
         ("SoE", 5, coe(2, 10), 2),
         ("VoE", 15, coe(2, 10), 2),
         ("no CoE header", 3, vec![0], 6),

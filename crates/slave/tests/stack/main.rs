@@ -3,6 +3,8 @@
 mod chip;
 mod complete_access;
 mod emergency;
+mod event_log;
+mod foe;
 mod indicators;
 mod information;
 mod lamp;

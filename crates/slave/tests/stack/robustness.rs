@@ -10,6 +10,7 @@ use crate::workbench::{Bench, MILLISECOND, configuration};
 enum Act {
     Mailbox(Vec<u8>),
     Coe(Vec<u8>),
+    Foe(Vec<u8>),
     Fetch,
     Request(u16),
     Register(u16, Vec<u8>),
@@ -41,6 +42,18 @@ fn sdo() -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
+/// A message of FoE that is more likely to mean something.
+fn foe() -> impl Strategy<Value = Vec<u8>> {
+    let name = prop_oneof![
+        Just(b"note.txt".to_vec()),
+        Just(b"fixed.txt".to_vec()),
+        Just(b"eventlog.txt\0".to_vec()),
+        proptest::collection::vec(any::<u8>(), 0..130)
+    ];
+    (0..8_u8, prop_oneof![0..4_u32, any::<u32>()], name)
+        .prop_map(|(operation, number, rest)| [&[operation, 0], &number.to_le_bytes()[..], &rest].concat())
+}
+
 /// A request for SDO information that is more likely to mean something.
 fn information() -> impl Strategy<Value = Vec<u8>> {
     let index = prop_oneof![0..7_u16, Just(0x1600), Just(0x1C32), Just(0x100A), 0x1000..0x2010_u16];
@@ -60,6 +73,7 @@ fn act() -> impl Strategy<Value = Act> {
         bytes().prop_map(Act::Mailbox),
         sdo().prop_map(Act::Coe),
         information().prop_map(Act::Coe),
+        foe().prop_map(Act::Foe),
         Just(Act::Fetch),
         any::<u16>().prop_map(Act::Request),
         prop_oneof![Just(1_u16), Just(2), Just(4), Just(8), Just(0x12), Just(0x14)].prop_map(Act::Request),
@@ -79,13 +93,15 @@ fn act() -> impl Strategy<Value = Act> {
     ]
 }
 
+fn message(protocol: u8, body: &[u8]) -> Vec<u8> {
+    [&[body.len() as u8, 0, 0, 0, 0, protocol], body].concat()
+}
+
 fn perform(bench: &mut Bench, act: Act) {
     match act {
         Act::Mailbox(message) => _ = bench.chip.send(&message),
-        Act::Coe(body) => {
-            let header = [body.len() as u8, 0, 0, 0, 0, 3];
-            bench.chip.send(&[&header[..], &body].concat());
-        }
+        Act::Coe(body) => _ = bench.chip.send(&message(3, &body)),
+        Act::Foe(body) => _ = bench.chip.send(&message(4, &body)),
         Act::Fetch => _ = bench.chip.receive(),
         Act::Request(control) => bench.chip.request(control),
         Act::Register(address, data) => {
@@ -117,6 +133,9 @@ fn start_again(bench: &mut Bench) {
     bench.set_mailboxes(128);
     assert_eq!(bench.request(0x12), (2, 0));
     assert_eq!(bench.upload(0x1018, 1).unwrap(), [0x88, 0x0A, 0, 0]);
+    assert!(bench.read_file("eventlog.txt").unwrap().starts_with(b"# Event log of Lamp"));
+    bench.write_file("note.txt", b"written").unwrap();
+    assert_eq!(bench.read_file("note.txt").unwrap(), b"written");
     for (index, pdo) in [(0x1C12, 0x1600_u16), (0x1C13, 0x1A00)] {
         bench.download(index, 0, &[0]).unwrap();
         bench.download(index, 1, &pdo.to_le_bytes()).unwrap();
@@ -156,17 +175,16 @@ proptest! {
     #[test]
     fn any_mailbox_message_has_one_answer_at_most_and_a_list_as_many_as_it_says(
         mailbox in 36..=128_u16,
-        messages in proptest::collection::vec(prop_oneof![bytes(), sdo(), information()], 1..20),
+        messages in proptest::collection::vec((3..5_u8, prop_oneof![bytes(), sdo(), information(), foe()]), 1..20),
     ) {
         let mut bench = Bench::preop_with(configuration(), mailbox);
-        for body in messages {
-            let header = [body.len() as u8, 0, 0, 0, 0, 3];
-            bench.chip.send(&[&header[..], &body].concat());
+        for (protocol, body) in messages {
+            bench.chip.send(&message(protocol, &body));
             bench.tick();
             let mut left = 1;
             while let Some(answer) = bench.chip.receive() {
                 prop_assert!(left > 0);
-                let of_a_list = answer[7] == 0x80 && answer[8] & 0x7F == 2;
+                let of_a_list = answer[5] & 0x0F == 3 && answer[7] == 0x80 && answer[8] & 0x7F == 2;
                 left = if of_a_list { u16::from_le_bytes([answer[10], answer[11]]) } else { 0 };
                 prop_assert!(usize::from(u16::from_le_bytes([answer[0], answer[1]])) + 6 <= answer.len());
                 bench.tick();

@@ -254,6 +254,59 @@ impl Bench {
         Ok(())
     }
 
+    /// Sends a message of FoE, operation, number and what follows, and returns the answer in the same form.
+    pub fn foe(&mut self, operation: u8, number: u32, rest: &[u8]) -> Option<(u8, u32, Vec<u8>)> {
+        let reply = self.exchange(4, &[&[operation, 0], &number.to_le_bytes()[..], rest].concat())?;
+        let length = usize::from(u16::from_le_bytes([reply[0], reply[1]]));
+        assert_eq!((reply[5] & 0x0F, reply[7]), (4, 0), "a message of FoE: {reply:02X?}");
+        assert!(6 + length <= reply.len(), "the answer fits the mailbox");
+        let number = u32::from_le_bytes(reply[8..12].try_into().unwrap());
+        Some((reply[6], number, reply[12..6 + length].to_vec()))
+    }
+
+    /// Reads a file the way SOEM does; the error code and text if there is one.
+    pub fn read_file(&mut self, name: &str) -> Result<Vec<u8>, (u32, String)> {
+        let room = usize::from(self.chip.length(1)) - 12;
+        let mut file = vec![];
+        let mut answer = self.foe(1, 0, name.as_bytes()).expect("the first packet");
+        for packet in 1.. {
+            let (operation, number, data) = answer;
+            if operation == 5 {
+                return Err((number, String::from_utf8(data).unwrap()));
+            }
+            assert_eq!((operation, number), (3, packet));
+            assert!(data.len() <= room);
+            file.extend_from_slice(&data);
+            let next = self.foe(4, packet, &[]);
+            if data.len() < room {
+                assert_eq!(next, None, "the last acknowledgement has no answer");
+                break;
+            }
+            answer = next.expect("the next packet");
+        }
+        Ok(file)
+    }
+
+    /// Writes a file the way SOEM does; the error code and text if there is one.
+    pub fn write_file(&mut self, name: &str, file: &[u8]) -> Result<(), (u32, String)> {
+        let room = usize::from(self.chip.length(0)) - 12;
+        let packets = file.chunks(room).chain(file.len().is_multiple_of(room).then_some(&[][..]));
+        let mut answer = self.foe(2, 0, name.as_bytes()).expect("an answer");
+        for (packet, data) in (0..).zip(packets) {
+            match answer {
+                (4, number, _) => assert_eq!(number, packet),
+                (5, code, text) => return Err((code, String::from_utf8(text).unwrap())),
+                other => panic!("{other:?}"),
+            }
+            answer = self.foe(3, packet + 1, data).expect("an answer");
+        }
+        match answer {
+            (4, ..) => Ok(()),
+            (5, code, text) => Err((code, String::from_utf8(text).unwrap())),
+            other => panic!("{other:?}"),
+        }
+    }
+
     /// Sends a request for SDO information and returns the messages of the answer, from opcode on, without padding.
     pub fn inform(&mut self, request: &[u8]) -> Vec<Vec<u8>> {
         let mut messages = vec![];

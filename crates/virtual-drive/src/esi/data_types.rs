@@ -20,8 +20,13 @@ const CONDITIONAL: std::ops::Range<u16> = 0x1600..0x1C14;
 
 /// Basic types that some entry has, then those of the objects with sub-indices.
 pub(super) fn data_types(xml: &mut Xml, objects: &[&[Entry]]) -> io::Result<()> {
-    let entries = objects.iter().copied().flatten();
-    let mut basic: BTreeSet<(String, u16)> = entries.map(|entry| (type_name(entry), bits(entry))).collect();
+    let entries = || objects.iter().copied().flatten();
+    let mut basic: BTreeSet<(String, u16)> = entries()
+        .map(|entry| match entry.data_type {
+            DataType::OctetString => (entry.data_type.esi_name().into(), 8),
+            _ => (type_name(entry), bits(entry)),
+        })
+        .collect();
     basic.insert(("USINT".into(), 8));
     for (name, bits) in basic {
         element(xml, "DataType", |xml| {
@@ -29,6 +34,9 @@ pub(super) fn data_types(xml: &mut Xml, objects: &[&[Entry]]) -> io::Result<()> 
             text(xml, "BitSize", &bits.to_string())
         })?;
     }
+    let octets = entries().filter(|entry| entry.data_type == DataType::OctetString);
+    let sizes: BTreeSet<usize> = octets.map(Entry::size).collect();
+    sizes.into_iter().try_for_each(|size| octet_string(xml, size))?;
     for entries in objects.iter().filter(|entries| has_sub_indices(entries)) {
         if kind(entries).code == ObjectCode::Array {
             array_elements(xml, entries)?;
@@ -36,6 +44,23 @@ pub(super) fn data_types(xml: &mut Xml, objects: &[&[Entry]]) -> io::Result<()> 
         object_type(xml, entries)?;
     }
     Ok(())
+}
+
+/// A string of octets is an array in an ESI file.
+fn octet_string(xml: &mut Xml, size: usize) -> io::Result<()> {
+    element(xml, "DataType", |xml| {
+        text(xml, "Name", &octet_string_name(size))?;
+        text(xml, "BaseType", DataType::OctetString.esi_name())?;
+        text(xml, "BitSize", &(8 * size).to_string())?;
+        element(xml, "ArrayInfo", |xml| {
+            text(xml, "LBound", "0")?;
+            text(xml, "Elements", &size.to_string())
+        })
+    })
+}
+
+fn octet_string_name(size: usize) -> String {
+    format!("ARRAY [0..{}] OF {}", size - 1, DataType::OctetString.esi_name())
 }
 
 /// Whether an object has more than one value.
@@ -156,9 +181,9 @@ fn string(entry: &Entry) -> &'static str {
 
 /// Length of an entry's value.
 pub(super) fn bits(entry: &Entry) -> u16 {
-    match entry.data_type.bits() {
-        Some(bits) => bits.into(),
-        None => 8 * string(entry).len() as u16,
+    match entry.data_type {
+        DataType::VisibleString => 8 * string(entry).len() as u16,
+        _ => entry.bits,
     }
 }
 
@@ -171,6 +196,7 @@ pub(super) fn object_bits(entries: &[Entry]) -> u16 {
 /// The type of an entry.
 pub(super) fn type_name(entry: &Entry) -> String {
     match entry.data_type {
+        DataType::OctetString => octet_string_name(entry.size()),
         DataType::VisibleString => format!("STRING({})", string(entry).len()),
         other => other.esi_name().to_owned(),
     }

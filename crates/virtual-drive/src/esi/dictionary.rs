@@ -1,4 +1,4 @@
-//! The profile with the object dictionary: objects with their defaults, limits and units.
+//! The profile with the object dictionary: objects with their defaults, limits and units; and the texts of diagnosis messages.
 
 use std::io;
 
@@ -6,6 +6,7 @@ use device::{Device, MAX_OBJECT_SIZE, NoMemory};
 use dictionary::lookup::objects;
 use dictionary::{Entry, unit};
 use drive::DriveObjects;
+use slave::event_log::{MESSAGES, MessageText};
 use slave::objects::COUNT_NAME;
 use wire::Nanos;
 
@@ -29,7 +30,7 @@ impl New {
     }
 }
 
-/// The profile with the object dictionary: data types first, then objects.
+/// The profile with the object dictionary: data types first, then objects. The texts that messages of 0x10F3 name come behind it.
 pub(super) fn profile(xml: &mut Xml) -> io::Result<()> {
     let all: Vec<&[Entry]> = objects(slave::objects::ENTRIES).chain(objects(DriveObjects::ENTRIES)).collect();
     element(xml, "Profile", |xml| {
@@ -40,7 +41,18 @@ pub(super) fn profile(xml: &mut Xml) -> io::Result<()> {
             element(xml, "Objects", |xml| {
                 all.iter().try_for_each(|entries| object(xml, entries, &mut new))
             })
+        })?;
+        element(xml, "DiagMessages", |xml| {
+            MESSAGES.iter().try_for_each(|message| diagnosis_message(xml, message))
         })
+    })
+}
+
+fn diagnosis_message(xml: &mut Xml, message: &MessageText) -> io::Result<()> {
+    element(xml, "DiagMessage", |xml| {
+        text(xml, "TextId", &hex(message.id.into()))?;
+        text(xml, "MessageText", message.text)?;
+        element(xml, "Flags", |xml| text(xml, "DiagClass", message.severity.name()))
     })
 }
 
@@ -69,7 +81,7 @@ fn sub_indices(xml: &mut Xml, entries: &[Entry], new: &mut New) -> io::Result<()
     }
     entries.iter().try_for_each(|entry| {
         let default = match new.digits(entry.index, entry.sub) {
-            // Entries behind the count of a mapping or an assignment have no value; ESI wants one.
+            // Entries behind the count of a mapping or an assignment, and messages not there yet, have no value; ESI wants one.
             nothing if nothing.is_empty() => "00".repeat(entry.size()),
             digits => digits,
         };

@@ -3,7 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | here | the device: identity, sync managers, PDOs, mailbox, clocks |
-//! | `dictionary` | its objects |
+//! | `dictionary` | its objects, and the texts of its diagnosis messages |
 //! | `data_types` | their types |
 //! | `xml` | the few shapes of XML that take part |
 
@@ -198,6 +198,7 @@ fn mailbox(xml: &mut Xml) -> io::Result<()> {
                 .with_attribute(("CompleteAccess", "true"))
                 .with_attribute(("SegmentedSdo", "true"))
                 .write_inner_content(|xml| layout::INIT_COMMANDS.iter().try_for_each(|command| init_command(xml, command)))?;
+            xml.create_element("FoE").write_empty()?;
             Ok(())
         })?;
     Ok(())
