@@ -62,17 +62,19 @@ fn shape(frame: &[u8]) -> (Vec<u8>, usize) {
     (bytes.to_vec(), frame.len())
 }
 
-/// An upload, a repeat request, a foreign protocol, an error and a change of state, in each prepared state.
+/// An upload, a repeat request, a list, a foreign protocol, file access, an error and a change of state, in each prepared state.
 fn mailbox() -> Vec<Vec<u8>> {
-    let steps: [&[u8]; 12] = [
+    let steps: [&[u8]; 14] = [
         &[0, 0, 8, 0x40, 0x00, 0x10, 0, 0, 0, 0, 0],
         &[7],
         &[10],
         &[7],
         &[0, 1, 6, 1, 0, 0, 0, 1, 0],
         &[7, 7, 7, 11, 4],
-        &[4, 4, 8, 1, 0, 0, 0, 0, 0, b'a', b'b'],
-        &[4, 0, 4, 1, 0, 1, 0],
+        &[3, 0, 0, 0x40, 7, 3, 3, 0, 0, 7, 3, 3, 0, 0, 7],
+        &[3, 1, 0, 0x40, 7, 3, 2, 0, 15],
+        b"2000:00 = 2500\n\x07",
+        &[5, 2, 4, 1, 0, 0, 0],
         &[6, 3, 0xFF, 0xFF, 0xFF],
         &[13, 6, 0, 8, 0, 0, 0, 0],
         &[14, 0, 4, 1, 2, 3, 4],

@@ -1,8 +1,9 @@
 //! Mailbox messages of a plain master to the first drive of a bus.
 
 use device::layout::{MAILBOX_MAX, SYNC_MANAGERS};
-use wire::coe::{HEADER_SIZE as COE_HEADER, Service};
-use wire::mailbox::{HEADER_SIZE, Header, Protocol};
+use wire::coe::{HEADER_SIZE as COE_HEADER, SDO_SIZE, Service, information};
+use wire::foe;
+use wire::mailbox::{HEADER_SIZE, Header, MailboxError, Protocol};
 
 use crate::bus::Bus;
 
@@ -40,21 +41,16 @@ impl Letter {
             .expect("a message must fit its mailbox")
             .to_vec();
         assert!((1..=7).contains(&header.counter), "counter {}", header.counter);
-        let least = match header.protocol {
-            Protocol::ERROR => 4,
-            Protocol::COE => COE_HEADER + 4,
-            Protocol::FOE => 6,
-            other => panic!("the drive does not speak {other:?}"),
+        let allowed = match header.protocol {
+            Protocol::ERROR => body.len() == MailboxError::Syntax.bytes().len(),
+            Protocol::COE => is_coe_of_a_drive(&body),
+            Protocol::FOE => matches!(
+                foe::Message::parse(&body),
+                Some(foe::Message::Data { .. } | foe::Message::Ack { .. } | foe::Message::Error { .. } | foe::Message::Busy { .. })
+            ),
+            _ => false,
         };
-        assert!(body.len() >= least, "{header:?} {body:02X?}");
-        if header.protocol == Protocol::COE {
-            let service = Service::from_code(body[1] >> 4);
-            let sent = matches!(
-                service,
-                Some(Service::Emergency | Service::SdoRequest | Service::SdoResponse | Service::SdoInformation)
-            );
-            assert!(sent, "{service:?}");
-        }
+        assert!(allowed, "{header:?} {body:02X?}");
         Self { header, body }
     }
 
@@ -64,6 +60,17 @@ impl Letter {
             .then(|| Service::from_code(self.body[1] >> 4))
             .flatten()
     }
+}
+
+/// Whether a drive may send this after the mailbox header.
+fn is_coe_of_a_drive(body: &[u8]) -> bool {
+    let service = body.get(1).and_then(|service| Service::from_code(service >> 4));
+    let least = match service {
+        Some(Service::Emergency | Service::SdoRequest | Service::SdoResponse) => SDO_SIZE,
+        Some(Service::SdoInformation) => information::HEADER_SIZE,
+        _ => return false,
+    };
+    body.len() >= COE_HEADER + least
 }
 
 impl Postbox {

@@ -60,85 +60,116 @@ impl Sequence {
     }
 }
 
+/// A conversation with the drive.
+struct Client {
+    bus: Bus,
+    postbox: Postbox,
+    sequence: Sequence,
+    /// The number of the last packet of a file.
+    packet: u32,
+}
+
 /// Runs an input.
 ///
 /// # Panics
 /// If the drive is not as it must be.
 pub fn run(bytes: &[u8]) {
     let mut input = Input::new(bytes);
-    let (mut bus, length) = PREPARED[usize::from(input.u8()) % PREPARED.len()].clone();
-    let mut postbox = Postbox::new(length);
-    let mut sequence = Sequence::default();
+    let (bus, length) = PREPARED[usize::from(input.u8()) % PREPARED.len()].clone();
+    let mut client = Client {
+        bus,
+        postbox: Postbox::new(length),
+        sequence: Sequence::default(),
+        packet: 0,
+    };
     let mut patience = Patience::default();
     for _ in 0..MOST_STEPS {
         if input.is_empty() {
             break;
         }
-        step(&mut bus, &mut postbox, &mut sequence, &mut input, &mut patience);
+        client.step(&mut input, &mut patience);
     }
-    for letter in postbox.fetch_all(&mut bus) {
-        sequence.take(letter.header.counter);
+    for letter in client.postbox.fetch_all(&mut client.bus) {
+        client.sequence.take(letter.header.counter);
     }
-    bring_up::to_preop(&mut bus, length);
-    mail::assert_answers(&mut bus, length);
+    bring_up::to_preop(&mut client.bus, length);
+    mail::assert_answers(&mut client.bus, length);
 }
 
-fn step(bus: &mut Bus, postbox: &mut Postbox, sequence: &mut Sequence, input: &mut Input<'_>, patience: &mut Patience) {
-    let [out, back, outputs, _] = SYNC_MANAGERS.map(|manager| manager.start);
-    match input.u8() % 16 {
-        0..=3 => {
-            let service = input.one_of(&[
-                Service::SdoRequest,
-                Service::SdoInformation,
-                Service::SdoRequest,
-                Service::Emergency,
-            ]);
-            let body = message(input, postbox.length);
-            postbox.send_coe(bus, service, body);
-        }
-        4 | 5 => {
-            let protocol = Protocol(input.u8() % 16);
-            let body = message(input, postbox.length);
-            postbox.send(bus, protocol, body);
-        }
-        6 => {
-            let bytes = message(input, postbox.length);
-            postbox.put(bus, bytes);
-        }
-        7..=9 => {
-            if let Some(letter) = postbox.fetch(bus) {
-                sequence.take(letter.header.counter);
+impl Client {
+    fn step(&mut self, input: &mut Input<'_>, patience: &mut Patience) {
+        let kind = input.u8() % 16;
+        match kind {
+            0..=6 => self.send(kind, input),
+            7..=9 => {
+                if let Some(letter) = self.postbox.fetch(&mut self.bus) {
+                    self.sequence.take(letter.header.counter);
+                }
+            }
+            10 => {
+                let mut activate = [0];
+                self.bus.read(ACTIVATE, &mut activate);
+                self.bus.write(ACTIVATE, &[activate[0] ^ sync_manager::ACTIVATE_REPEAT]);
+                self.sequence.repeated = true;
+            }
+            11 => self.bus.wait(patience.span(input)),
+            12 => {
+                self.bus.write(AL_CONTROL, &[input.u8(), 0]);
+                // Communication begins anew, or the mailbox to the master is read from a drive that has none.
+                self.sequence.restart();
+            }
+            13 => _ = self.bus.write(SYNC_MANAGERS[2].start, &input.array::<7>()),
+            14 => {
+                let offset = u16::from(input.u8()) % self.postbox.length;
+                let data = message(input, self.postbox.length - offset);
+                self.bus.write(SYNC_MANAGERS[0].start + offset, data);
+            }
+            _ => {
+                let offset = u16::from(input.u8()) % self.postbox.length;
+                let length = (1 + u16::from(input.u8())).min(self.postbox.length - offset);
+                self.bus.read(SYNC_MANAGERS[1].start + offset, &mut vec![0; length.into()]);
+                // The last byte of a message says that it was fetched.
+                self.sequence.restart();
             }
         }
-        10 => {
-            let mut activate = [0];
-            bus.read(ACTIVATE, &mut activate);
-            bus.write(ACTIVATE, &[activate[0] ^ sync_manager::ACTIVATE_REPEAT]);
-            sequence.repeated = true;
+    }
+
+    /// Sends a message, more or less like those of masters.
+    fn send(&mut self, kind: u8, input: &mut Input<'_>) {
+        let length = self.postbox.length;
+        match kind {
+            0..=2 => {
+                let service = input.one_of(&[Service::SdoRequest, Service::SdoInformation, Service::Emergency]);
+                self.postbox.send_coe(&mut self.bus, service, message(input, length));
+            }
+            3 | 4 => {
+                let body = self.file_access(input);
+                self.postbox.send(&mut self.bus, Protocol::FOE, &body);
+            }
+            5 => {
+                let protocol = Protocol(input.u8() % 16);
+                self.postbox.send(&mut self.bus, protocol, message(input, length));
+            }
+            _ => _ = self.postbox.put(&mut self.bus, message(input, length)),
         }
-        11 => bus.wait(patience.span(input)),
-        12 => {
-            let control = input.u8();
-            bus.write(AL_CONTROL, &[control, 0]);
-            // Communication begins anew, or the mailbox to the master is read from a drive that has none.
-            sequence.restart();
-        }
-        13 => {
-            let data: [u8; 7] = input.array();
-            bus.write(outputs, &data);
-        }
-        14 => {
-            let offset = u16::from(input.u8()) % postbox.length;
-            let data = message(input, postbox.length - offset);
-            bus.write(out + offset, data);
-        }
-        _ => {
-            let offset = u16::from(input.u8()) % postbox.length;
-            let length = (1 + u16::from(input.u8())).min(postbox.length - offset);
-            bus.read(back + offset, &mut vec![0; length.into()]);
-            // The last byte of a message says that it was fetched.
-            sequence.restart();
-        }
+    }
+
+    /// A message of file access: about a file that exists or another, or the next packet, if it is not a wrong one.
+    fn file_access(&mut self, input: &mut Input<'_>) -> Vec<u8> {
+        let operation = 1 + input.u8() % 8;
+        let begins = operation <= 2;
+        self.packet = if begins { 0 } else { self.packet.wrapping_add(1) };
+        let number = match input.u8() {
+            0xFF => u32::from_le_bytes(input.array()),
+            beside @ 0xF8.. => self.packet.wrapping_sub(u32::from(beside - 0xF8)),
+            _ => self.packet,
+        };
+        let rest = match input.u8() {
+            0..=0x3F if begins => &b"eventlog.txt"[..],
+            0x40..=0xBF if begins => &b"parameters.txt"[..],
+            length => input.bytes(length.into()),
+        };
+        [&[operation, 0], &number.to_le_bytes()[..], rest].concat()
     }
 }
 

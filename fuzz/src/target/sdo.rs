@@ -311,7 +311,7 @@ fn input_value(command: u8, input: &mut Input<'_>) -> [u8; 4] {
 
 /// Sees that a value is within the range of its entry.
 fn assert_in_range(entry: &Entry, value: &[u8]) {
-    if entry.data_type == DataType::VisibleString {
+    if matches!(entry.data_type, DataType::VisibleString | DataType::OctetString) {
         return;
     }
     assert_eq!(value.len(), entry.size(), "length of {:04X}:{:02X}", entry.index, entry.sub);
