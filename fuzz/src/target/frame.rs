@@ -25,8 +25,6 @@ const MOST_DATAGRAMS: u8 = 6;
 const MOST_COUNTED: usize = 3;
 /// Set in the source address by drives.
 const PROCESSED: u8 = 0x02;
-/// Set in a datagram's length by drives that lost their way to the master.
-const CIRCULATING: u8 = 0x40;
 
 const PRIMARY: End = End::Master(Side::Primary);
 const SECONDARY: End = End::Master(Side::Secondary);
@@ -228,52 +226,45 @@ const REGISTERS: [u16; 31] = [
 
 /// Sends a frame and checks what holds for every frame.
 fn send(bus: &mut Bus, from: Side, frame: &mut [u8]) {
-    let before = frame.to_vec();
+    let mut expected = frame.to_vec();
     let (processed, exit) = bus.pass(from, frame);
-    let Some(layout) = Layout::of(&before) else {
+    let Some(layout) = Layout::of(&expected) else {
         assert_eq!((processed, exit), (Processed::NotEtherCat, None));
-        assert_eq!(frame, before);
+        assert_eq!(frame, expected);
         return;
     };
-    let intact = layout.is_intact(&before);
+    let intact = layout.is_intact(&expected);
     match processed {
         Processed::Returned => assert!(intact && exit.is_some()),
         Processed::Malformed => assert!(!intact && exit.is_some()),
         Processed::Lost => assert!(exit.is_none()),
         Processed::NotEtherCat => panic!("it was EtherCAT"),
     }
-    assert_eq!(Layout::of(frame), Some(layout));
-    let mut expected = before.clone();
-    if frame[SOURCE_ADDRESS] & PROCESSED != 0 {
-        expected[SOURCE_ADDRESS] |= PROCESSED;
-    }
-    let mut walk = layout.walk();
-    while let Some(was) = walk.next(&before) {
-        let start = was_at(&before, &was);
-        take_over(&mut expected[start..], &frame[start..], &was);
+    expected[SOURCE_ADDRESS] |= frame[SOURCE_ADDRESS] & PROCESSED;
+    let (mut before, mut after) = (layout.walk(), layout.walk());
+    while let (Some(mut before), Some(after)) = (before.next_mut(&mut expected), after.next(frame)) {
+        allow(&mut before, &after);
     }
     assert_eq!(frame, expected, "more has changed than may");
 }
 
-/// Where a datagram of a frame begins.
-fn was_at(frame: &[u8], datagram: &Datagram<&[u8]>) -> usize {
-    let data = datagram.data().as_ptr() as usize;
-    data - frame.as_ptr() as usize - wire::frame::DATAGRAM_HEADER
-}
-
-/// Takes over into `expected`, the datagram `was`, what drives may have changed in it, after a look at the changes.
-fn take_over(expected: &mut [u8], frame: &[u8], was: &Datagram<&[u8]>) {
-    let word = |bytes: &[u8], at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
-    let counter = wire::frame::DATAGRAM_HEADER + was.data().len();
-    let counted = word(frame, counter).wrapping_sub(was.working_counter());
+/// Makes those changes to a datagram that drives may have made, after a look at them.
+fn allow(datagram: &mut Datagram<&mut [u8]>, after: &Datagram<&[u8]>) {
+    let counted = after.working_counter().wrapping_sub(datagram.working_counter());
     assert!(usize::from(counted) <= MOST_COUNTED * DRIVES, "working counter grew by {counted}");
-    let passed = word(frame, 2).wrapping_sub(was.adp());
+    datagram.add_working_counter(counted);
+    let passed = after.adp().wrapping_sub(datagram.adp());
     assert!(usize::from(passed) <= DRIVES, "position grew by {passed}");
-    assert!(passed == 0 || counts_positions(was.command()), "address changed");
-    assert_eq!(word(frame, 8) & was.events(), was.events(), "events were taken back");
-    expected[2..4].copy_from_slice(&frame[2..4]);
-    expected[7] |= frame[7] & CIRCULATING;
-    expected[8..counter + 2].copy_from_slice(&frame[8..counter + 2]);
+    assert!(passed == 0 || counts_positions(datagram.command()), "address changed");
+    for _ in 0..passed {
+        datagram.increment_adp();
+    }
+    if after.is_circulating() {
+        datagram.set_circulating();
+    }
+    datagram.add_events(after.events());
+    assert_eq!(datagram.data().len(), after.data().len(), "length changed");
+    datagram.data_mut().copy_from_slice(after.data());
 }
 
 const fn counts_positions(command: Command) -> bool {
