@@ -2,10 +2,12 @@
 //!
 //! - [`tidy`]: layering, banned words, module sizes, text hygiene: the design's rules as tests.
 //! - [`no_std`]: builds the firmware core for a Cortex-M, which has no standard library.
+//! - [`fuzz`]: runs the fuzz targets for some time.
 //! - [`ci`]: everything a change must pass, one step after the other.
 #![forbid(unsafe_code)]
 
 mod ci;
+mod fuzz;
 mod no_std;
 mod tidy;
 
@@ -18,6 +20,7 @@ Usage: cargo xtask COMMAND
 Commands:
   tidy                    check layering, style and text hygiene
   no-std                  build the firmware core for thumbv7em-none-eabihf
+  fuzz [--seconds N]      run every fuzz target over its corpus and then on, a minute each unless told
   ci [--without STEP]...  run fmt, clippy, doc, tidy, test and no-std, all but the named steps";
 
 fn main() -> ExitCode {
@@ -26,6 +29,10 @@ fn main() -> ExitCode {
     match words.as_slice() {
         ["tidy"] => exit(tidy::check(&root())),
         ["no-std"] => exit(no_std::build(&root())),
+        ["fuzz", rest @ ..] => match fuzz::seconds(rest) {
+            Ok(seconds) => exit(fuzz::run(&root(), seconds)),
+            Err(error) => misuse(&error),
+        },
         ["ci", rest @ ..] => match ci::without(rest) {
             Ok(skipped) => exit(ci::run(&root(), &skipped)),
             Err(error) => misuse(&error),
