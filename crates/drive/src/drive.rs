@@ -103,8 +103,9 @@ impl Drive {
     /// Whether the present state forbids to write `data` into `slot`; length and range are the table's to check.
     ///
     /// # Errors
-    /// The abort code of the download: 0x06090030 for a mode, a homing method, an option or a function that the drive does not have; 0x08000022 for the
-    /// current loop's gains while the drive sets them itself, and for clearing the position while the motor moves or is led by CSP.
+    /// The abort code of the download: 0x06090030 for a mode, a homing method, an option or a function that the drive does not have;
+    /// 0x08000022 for the current loop's gains while the drive sets them itself, and for clearing the position while the motor moves or
+    /// is led by CSP.
     pub fn check_write(&self, objects: &DriveObjects, slot: usize, data: &[u8]) -> Result<(), AbortCode> {
         match (slot, data) {
             (slots::current_loop_kp | slots::current_loop_ki | slots::current_loop_kc, _) if objects.auto_pi != 0 => {
