@@ -83,37 +83,54 @@ impl Method {
     }
 }
 
+/// To the left edge of the home switch, from within.
+#[rustfmt::skip]
+const LEFT_EDGE_OUTWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[fast(Positive, Rising), slow(Negative, Falling)],
+    inside:  &[slow(Negative, Falling)],
+    turned:  &[slow(Negative, Falling)],
+};
+
+/// To the left edge, from outside.
+#[rustfmt::skip]
+const LEFT_EDGE_INWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[slow(Positive, Rising)],
+    inside:  &[fast(Negative, Falling), slow(Positive, Rising)],
+    turned:  &[fast(Negative, Falling), slow(Positive, Rising)],
+};
+
+/// To the right edge, from within.
+#[rustfmt::skip]
+const RIGHT_EDGE_OUTWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[fast(Negative, Rising), slow(Positive, Falling)],
+    inside:  &[slow(Positive, Falling)],
+    turned:  &[slow(Positive, Falling)],
+};
+
+/// To the right edge, from outside.
+#[rustfmt::skip]
+const RIGHT_EDGE_INWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[slow(Negative, Rising)],
+    inside:  &[fast(Positive, Falling), slow(Negative, Rising)],
+    turned:  &[fast(Positive, Falling), slow(Negative, Rising)],
+};
+
 /// The methods that are the same in both variants.
 #[rustfmt::skip]
 static BOTH_VARIANTS: &[(i8, Method)] = &[
-    (19, Method {
-        signal: Some(Signal::Home),
-        outside: &[fast(Positive, Rising), slow(Negative, Falling)],
-        inside:  &[slow(Negative, Falling)],
-        turned:  &[slow(Negative, Falling)],
-    }),
-    (20, Method {
-        signal: Some(Signal::Home),
-        outside: &[slow(Positive, Rising)],
-        inside:  &[fast(Negative, Falling), slow(Positive, Rising)],
-        turned:  &[fast(Negative, Falling), slow(Positive, Rising)],
-    }),
-    (21, Method {
-        signal: Some(Signal::Home),
-        outside: &[fast(Negative, Rising), slow(Positive, Falling)],
-        inside:  &[slow(Positive, Falling)],
-        turned:  &[slow(Positive, Falling)],
-    }),
-    (22, Method {
-        signal: Some(Signal::Home),
-        outside: &[slow(Negative, Rising)],
-        inside:  &[fast(Positive, Falling), slow(Negative, Rising)],
-        turned:  &[fast(Positive, Falling), slow(Negative, Rising)],
-    }),
+    (19, LEFT_EDGE_OUTWARD),
+    (20, LEFT_EDGE_INWARD),
+    (21, RIGHT_EDGE_OUTWARD),
+    (22, RIGHT_EDGE_INWARD),
     (35, Method { signal: None, outside: &[], inside: &[], turned: &[] }),
 ];
 
-/// The other methods in variant 0. 17 and 18 stop at the limit at whatever speed they came.
+/// The other methods in variant 0. 17 and 18 stop at the limit at whatever speed they came. 23, 24, 27 and 28 differ from 19 to 22 only
+/// in that the manual draws their turn at the limit.
 #[rustfmt::skip]
 static VARIANT_0: &[(i8, Method)] = &[
     (17, Method {
@@ -128,18 +145,8 @@ static VARIANT_0: &[(i8, Method)] = &[
         inside:  &[slow(Negative, Falling)],
         turned:  &[],
     }),
-    (23, Method {
-        signal: Some(Signal::Home),
-        outside: &[fast(Positive, Rising), slow(Negative, Falling)],
-        inside:  &[slow(Negative, Falling)],
-        turned:  &[slow(Negative, Falling)],
-    }),
-    (24, Method {
-        signal: Some(Signal::Home),
-        outside: &[slow(Positive, Rising)],
-        inside:  &[fast(Negative, Falling), slow(Positive, Rising)],
-        turned:  &[fast(Negative, Falling), slow(Positive, Rising)],
-    }),
+    (23, LEFT_EDGE_OUTWARD),
+    (24, LEFT_EDGE_INWARD),
     (25, Method {
         signal: Some(Signal::Home),
         outside: &[fast(Positive, Falling), slow(Negative, Rising)],
@@ -152,18 +159,8 @@ static VARIANT_0: &[(i8, Method)] = &[
         inside:  &[slow(Positive, Falling)],
         turned:  &[fast(Negative, Rising), slow(Positive, Falling)],
     }),
-    (27, Method {
-        signal: Some(Signal::Home),
-        outside: &[fast(Negative, Rising), slow(Positive, Falling)],
-        inside:  &[slow(Positive, Falling)],
-        turned:  &[slow(Positive, Falling)],
-    }),
-    (28, Method {
-        signal: Some(Signal::Home),
-        outside: &[slow(Negative, Rising)],
-        inside:  &[fast(Positive, Falling), slow(Negative, Rising)],
-        turned:  &[fast(Positive, Falling), slow(Negative, Rising)],
-    }),
+    (27, RIGHT_EDGE_OUTWARD),
+    (28, RIGHT_EDGE_INWARD),
     (29, Method {
         signal: Some(Signal::Home),
         outside: &[fast(Negative, Falling), slow(Positive, Rising)],
