@@ -109,7 +109,12 @@ fn the_new_mode_goes_on_from_the_speed_there_is_or_brakes_and_its_command_counts
 #[test]
 fn without_a_command_of_its_own_the_new_mode_brakes_with_0x6084_or_0x609a() {
     for from in MODES {
-        for (to, deceleration) in [(PP, DECELERATION), (PV, DECELERATION), (HOMING, HOMING_RAMP as i32), (CSP, DECELERATION)] {
+        for (to, deceleration) in [
+            (PP, DECELERATION),
+            (PV, DECELERATION),
+            (HOMING, HOMING_RAMP as i32),
+            (CSP, DECELERATION),
+        ] {
             if to == from {
                 continue;
             }

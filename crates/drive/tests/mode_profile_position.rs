@@ -313,7 +313,10 @@ fn each_set_point_has_its_own_speed_and_ramps_and_new_ones_in_the_objects_wait_f
     let braking = rig.until("there", |rig| rig.status(10));
     assert_eq!(rig.objects.position, 10_000);
     // 125 pulses of acceleration, 1 000 of deceleration.
-    assert!((17_748..=17_752).contains(&cruise) && (3_997..=4_001).contains(&braking), "{cruise} {braking}");
+    assert!(
+        (17_748..=17_752).contains(&cruise) && (3_997..=4_001).contains(&braking),
+        "{cruise} {braking}"
+    );
 }
 
 #[test]
@@ -337,7 +340,10 @@ fn an_immediate_set_point_takes_speed_and_ramps_along_without_a_jump() {
             rig.tick();
             let after = rig.drive.velocity().sub_pulses_per_tick();
             let change = (after - before) * if before == 0 { after.signum() } else { before.signum() };
-            assert!((-i64::from(deceleration)..=acceleration.into()).contains(&change), "{before} to {after}");
+            assert!(
+                (-i64::from(deceleration)..=acceleration.into()).contains(&change),
+                "{before} to {after}"
+            );
             rig.objects.controlword = 0x0F;
         }
         let direction = if target == 0 { -1 } else { 1 };
@@ -390,7 +396,9 @@ fn a_chained_set_point_in_the_other_direction_is_stopped_at_and_one_too_near_slo
     let mut rig = Rig::enabled(1);
     send(&mut rig, 5_000, 0);
     send(&mut rig, 1_000, ON_SET_POINT);
-    rig.until("at the first one", |rig| rig.objects.position == 5_000 && rig.pulses_per_second() == 0);
+    rig.until("at the first one", |rig| {
+        rig.objects.position == 5_000 && rig.pulses_per_second() == 0
+    });
     assert_eq!(arrive(&mut rig), 1_000);
 
     send(&mut rig, 10_000, 0);

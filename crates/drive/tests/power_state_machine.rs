@@ -256,7 +256,10 @@ fn every_bit_of_the_statusword_in_every_state_and_mode() {
                     let remote = if state == FaultReactionActive { 0 } else { 0x0200 };
                     let expected = bits | bit_4 | remote | bit_11 | mode_bits(state, mode);
                     assert_eq!(rig.state(), state);
-                    assert_eq!(rig.objects.statusword, expected, "{state:?}, mode {mode}, {bus} mV, inputs {inputs:02X}");
+                    assert_eq!(
+                        rig.objects.statusword, expected,
+                        "{state:?}, mode {mode}, {bus} mV, inputs {inputs:02X}"
+                    );
                 }
             }
         }
@@ -336,14 +339,18 @@ fn surroundings() -> impl Strategy<Value = Surroundings> {
         6 => prop::sample::select(vec![0x06, 0x07, 0x0F, 0x0F, 0x1F, 0x10F, 0x02, 0x00, 0x80, 0x8F]),
         1 => any::<u16>(),
     ];
-    (word, prop::bool::weighted(0.95), prop::bool::weighted(0.05), prop::sample::select(vec![0i16, 1, 2, 5, 6])).prop_map(
-        |(controlword, operational, emergency, quick_stop_option)| Surroundings {
+    (
+        word,
+        prop::bool::weighted(0.95),
+        prop::bool::weighted(0.05),
+        prop::sample::select(vec![0i16, 1, 2, 5, 6]),
+    )
+        .prop_map(|(controlword, operational, emergency, quick_stop_option)| Surroundings {
             controlword,
             operational,
             emergency,
             quick_stop_option,
-        },
-    )
+        })
 }
 
 proptest! {

@@ -70,19 +70,24 @@ fn magnitude(least: f64, most: f64) -> impl Strategy<Value = f64> {
 }
 
 fn limits() -> impl Strategy<Value = Limits> {
-    (magnitude(10.0, 300_000.0), magnitude(1_000.0, 10_000_000.0), magnitude(1_000.0, 10_000_000.0)).prop_map(
-        |(speed, acceleration, deceleration)| Limits {
+    (
+        magnitude(10.0, 300_000.0),
+        magnitude(1_000.0, 10_000_000.0),
+        magnitude(1_000.0, 10_000_000.0),
+    )
+        .prop_map(|(speed, acceleration, deceleration)| Limits {
             speed,
             acceleration,
             deceleration,
-        },
-    )
+        })
 }
 
 /// A distance that takes up to about `seconds`.
 fn distance(limits: Limits, seconds: f64, part: f64) -> i32 {
     let weaker = limits.acceleration.min(limits.deceleration);
-    (limits.speed * seconds).min(weaker * seconds * seconds / 4.0).mul_add(part, part.signum()) as i32
+    (limits.speed * seconds)
+        .min(weaker * seconds * seconds / 4.0)
+        .mul_add(part, part.signum()) as i32
 }
 
 fn pulses(generator: &Generator) -> f64 {

@@ -94,7 +94,10 @@ impl Running {
             let before = self.rig.drive.velocity().sub_pulses_per_tick();
             self.tick();
             let fall = before - self.rig.drive.velocity().sub_pulses_per_tick();
-            assert!((0..=i64::from(deceleration)).contains(&fall) || before < 2_000_000, "{what}: {fall}");
+            assert!(
+                (0..=i64::from(deceleration)).contains(&fall) || before < 2_000_000,
+                "{what}: {fall}"
+            );
             if !self.rig.drive.is_moving() {
                 break;
             }
@@ -188,7 +191,11 @@ fn losing_op_and_overvoltage_by_each_option_code() {
                     }
                 }
                 running.stop(ramp, &what);
-                assert_eq!((running.rig.state(), running.rig.objects.error_code), (FaultReactionActive, code), "{what}");
+                assert_eq!(
+                    (running.rig.state(), running.rig.objects.error_code),
+                    (FaultReactionActive, code),
+                    "{what}"
+                );
                 running.tick();
                 running.rests(Fault, false, &what);
             }
@@ -297,5 +304,49 @@ fn motor_offline_frees_the_shaft_in_every_mode_and_nothing_moves_by_itself_after
         running.mode = 0;
         running.rig.inputs = 0;
         running.rests(OperationEnabled, true, "back in line");
+    }
+}
+
+#[test]
+fn emergency_stop_makes_a_slower_ramp_under_way_a_quick_one() {
+    for mode in [PP, PV, HOMING, CSP] {
+        for (word, operational, end) in [(0x02, true, SwitchOnDisabled), (0x07, true, SwitchOnDisabled), (0x0F, false, Fault)] {
+            let mut running = Running::new(mode);
+            running.rig.objects.quick_stop_option = 5;
+            running.rig.objects.controlword = word;
+            running.rig.drive.set_network(operational);
+            (0..200).for_each(|_| running.tick());
+            // Pressed for ten ticks is pressed.
+            running.rig.inputs = 1;
+            (0..10).for_each(|_| running.tick());
+            running.rig.inputs = 0;
+            let mut ticks = 0;
+            while running.rig.drive.is_moving() {
+                running.tick();
+                ticks += 1;
+            }
+            // From 19 000 or, in homing, 18 000 pulses/s with 500 000 pulses/s^2.
+            assert!((700..970).contains(&ticks), "mode {mode}, {word:02X}: {ticks}");
+            running.rig.objects.controlword = 0x0F;
+            running.tick();
+            running.rests(end, false, "after the emergency stop");
+        }
+    }
+}
+
+#[test]
+fn a_fault_in_an_emergency_stop_does_not_make_it_slower_but_may_let_go() {
+    for (option, ticks) in [(1, 600..900), (2, 600..900), (0, 1..2)] {
+        let mut running = Running::new(PV);
+        running.rig.objects.fault_reaction_option = option;
+        running.rig.inputs = 1;
+        (0..50).for_each(|_| running.tick());
+        running.rig.drive.set_network(false);
+        let mut taken = 0;
+        while running.rig.state() != Fault {
+            running.tick();
+            taken += 1;
+        }
+        assert!(ticks.contains(&(taken - 1)), "0x605E = {option}: {taken}");
     }
 }
