@@ -112,7 +112,7 @@ impl Drive {
             }
             (slots::mode, &[mode]) if mode != 0 && Mode::from_object(mode as i8).is_none() => Err(AbortCode::ValueRange),
             // Stops at the limit of current or voltage need a current reserve that is known, as only a closed loop has.
-            (slots::quick_stop_option, &[3 | 4 | 7 | 8, 0]) => Err(AbortCode::ValueRange),
+            (slots::quick_stop_option, &[3 | 4, 0]) => Err(AbortCode::ValueRange),
             (slots::probe_function, &[low, high]) if !touch_probe::is_function(u16::from_le_bytes([low, high])) => {
                 Err(AbortCode::ValueRange)
             }
