@@ -100,7 +100,9 @@ impl CyclicPosition {
                     self.held = distance != 0 && distance.signum() == self.barred;
                     if !self.held {
                         interpolator.synchronise(target, self.cycle);
-                        self.barred = if distance == 0 { self.barred } else { 0 };
+                        if distance != 0 {
+                            self.barred = 0;
+                        }
                     }
                 }
                 motion.follow(interpolator);

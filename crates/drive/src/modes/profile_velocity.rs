@@ -32,10 +32,11 @@ impl ProfileVelocity {
         let objects = context.objects;
         let target = Speed::from_pulses_per_second(objects.target_velocity.into());
         let halt = context.controlword.halt();
+        let wanted = target.sub_pulses_per_tick().signum();
         let moving = motion.demand_velocity().sub_pulses_per_tick().signum();
-        self.look_out(context, target.sub_pulses_per_tick().signum(), moving);
+        self.look_out(context, wanted, moving);
 
-        let blocked = self.barred != 0 && self.barred == target.sub_pulses_per_tick().signum();
+        let blocked = self.barred != 0 && self.barred == wanted;
         let velocity = if halt || blocked || !context.locked { Speed::ZERO } else { target };
         let mut ramp = Ramp::new(
             objects.profile_acceleration.unsigned_abs(),
