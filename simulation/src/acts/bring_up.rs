@@ -12,8 +12,9 @@ use crate::master::size_of_object;
 
 /// Objects that the master commands, in the order in which it downloads those that are not mapped.
 const COMMANDED: [u16; 7] = [0x6081, 0x6083, 0x6084, 0x60FF, 0x607A, 0x6060, 0x6040];
+/// Ticks of a cycle: 500 us to 4 ms.
 const CYCLES: [u64; 5] = [10, 20, 20, 40, 80];
-/// Bytes of process data that a random mapping may have at most, with room for those it always has.
+/// Entries that a mapping of chance may have at most, beside those it always has.
 const MOST_ENTRIES: u64 = 8;
 
 impl Simulation {
@@ -200,8 +201,9 @@ impl Simulation {
                 self.download(entry.index, entry.sub, entry.default)?;
             }
         }
-        let Self { master, .. } = self;
-        (master.commands.speed, master.commands.acceleration, master.commands.deceleration) = (10_000, 100_000, 100_000);
+        self.master.commands.speed = 10_000;
+        self.master.commands.acceleration = 100_000;
+        self.master.commands.deceleration = 100_000;
         Ok(())
     }
 }

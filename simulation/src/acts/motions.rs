@@ -3,8 +3,9 @@
 use crate::Simulation;
 use crate::invariants::Verdict;
 
-/// Speeds and accelerations that are sensible, and some that are not.
+/// The largest speed chosen, in pulses/s.
 const FASTEST: u64 = 2_000_000;
+/// The largest acceleration chosen, in pulses/s^2.
 const HARDEST: u64 = 50_000_000;
 const MODES: [i8; 4] = [1, 3, 6, 8];
 
@@ -174,11 +175,10 @@ impl Simulation {
 
     /// 0x2010, also while it is not allowed.
     pub(crate) fn clear_position(&mut self) -> Verdict {
-        let may = self.bus.drive().device().drive().is_moving();
+        let moving = self.bus.drive().device().drive().is_moving();
         let taken = self.download(0x2010, 0, 1)?;
-        self.note(|| format!("position cleared: {taken}, moving: {may}"));
-        self.cycle()?;
-        Ok(())
+        self.note(|| format!("position cleared: {taken}, moving: {moving}"));
+        self.cycle()
     }
 
     /// Nothing, long enough for standby.

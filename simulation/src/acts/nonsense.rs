@@ -45,7 +45,7 @@ impl Simulation {
                 0 => self.random.below(9) as usize,
                 _ => entry.size(),
             };
-            // Its answers are those of a transfer that goes on in segments.
+            // Without bytes it would be the begin of a transfer in segments.
             let size = if size == 0 { entry.size() } else { size };
             let answer = self.download_bytes(index, sub, &value.to_le_bytes()[..size])?;
             self.note(|| format!("{index:04X}:{sub} = {value:X} in {size} bytes: {answer:X?}"));

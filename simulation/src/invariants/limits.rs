@@ -12,24 +12,14 @@ const FILTER: usize = 512;
 const TOP_RPM: i16 = 3000;
 
 /// Both directions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Limits {
-    /// Commanded speed of the last ticks in pulses/s, at most; a ring.
+    /// The largest commanded speeds in pulses/s, of the span of a filter before the present one and of that.
     commanded: [f64; 2],
     ticks: usize,
+    /// Commanded speed in the tick before, with its sign.
     before: f64,
     stops: [Option<Stop>; 2],
-}
-
-impl Default for Limits {
-    fn default() -> Self {
-        Self {
-            commanded: [0.0; 2],
-            ticks: 0,
-            before: 0.0,
-            stops: [None, None],
-        }
-    }
 }
 
 /// A limit switch that is valid.

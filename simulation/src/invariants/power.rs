@@ -6,8 +6,8 @@ use drive::PowerState::{
 
 use super::{Verdict, View, must};
 
-/// The transitions of the standard; that into Fault Reaction Active leads from everywhere.
-const TRANSITIONS: [(PowerState, PowerState); 14] = [
+/// The transitions of the standard; that into Fault Reaction Active leads from everywhere but Fault.
+const TRANSITIONS: [(PowerState, PowerState); 15] = [
     (NotReadyToSwitchOn, SwitchOnDisabled),
     (SwitchOnDisabled, ReadyToSwitchOn),
     (ReadyToSwitchOn, SwitchedOn),
@@ -22,6 +22,7 @@ const TRANSITIONS: [(PowerState, PowerState); 14] = [
     (QuickStopActive, SwitchOnDisabled),
     (QuickStopActive, OperationEnabled),
     (FaultReactionActive, Fault),
+    (Fault, SwitchOnDisabled),
 ];
 
 /// What the master has to ask for before the motor is driven.
@@ -40,9 +41,7 @@ impl Power {
         let (before, after) = (view.before, view.state);
         let controlword = view.objects.controlword;
         if before != after {
-            let known = TRANSITIONS.contains(&(before, after))
-                || after == FaultReactionActive && before != Fault
-                || (before, after) == (Fault, SwitchOnDisabled);
+            let known = TRANSITIONS.contains(&(before, after)) || after == FaultReactionActive && before != Fault;
             must(known, || format!("transition from {} to {}", before.name(), after.name()))?;
             self.check_enabling(before, after, controlword)?;
         }
