@@ -149,6 +149,11 @@ impl Plant {
         self.terminals.held_on = held_on;
     }
 
+    /// Gives the supply another voltage, from the next step on.
+    pub fn set_supply(&mut self, supply: Millivolts) {
+        self.config.supply = supply;
+    }
+
     /// Moves the axis by hand; with the power stage on, the shaft then locks into the nearest electrical period.
     pub fn place(&mut self, position: Turns) {
         self.rotor = Rotor::new(position);

@@ -202,6 +202,16 @@ impl VirtualDrive {
         &mut self.plant
     }
 
+    /// What the next control tick measures.
+    pub fn sensors(&self) -> &Sensors {
+        &self.sensors
+    }
+
+    /// What the last control tick commanded.
+    pub fn actuators(&self) -> &Actuators {
+        &self.actuators
+    }
+
     /// The LEDs on the drive's front.
     pub fn indicators(&self) -> &Indicators {
         &self.indicators
