@@ -9,22 +9,31 @@ use crate::objects::DriveObjects;
 pub struct Indications {
     /// There is a fault.
     pub alarm: bool,
-    /// The motor holds the shaft, so that the brake may open.
+    /// The brake is to be open, because the motor holds the shaft.
     pub brake_open: bool,
     /// The motor stands where it was sent.
     pub in_place: bool,
 }
 
+/// Functions of outputs, the values of 0x2005 but for 0, custom.
+const ALARM: u16 = 1;
+const BRAKE: u16 = 2;
+const IN_PLACE: u16 = 3;
+
+/// Whether some output leads to a brake.
+pub fn has_brake(objects: &DriveObjects) -> bool {
+    functions(objects).contains(&BRAKE)
+}
+
 /// Which output transistors conduct: those whose function is active, if normally open, the others, if normally closed.
 pub fn levels(indications: Indications, objects: &DriveObjects) -> OutputLevels {
-    let functions = [objects.output_1_function, objects.output_2_function];
     let custom = (objects.physical_outputs & objects.output_mask) >> 16;
     let mut active = 0;
-    for (number, function) in functions.into_iter().enumerate() {
+    for (number, function) in functions(objects).into_iter().enumerate() {
         let is_active = match function {
-            1 => indications.alarm,
-            2 => indications.brake_open,
-            3 => indications.in_place,
+            ALARM => indications.alarm,
+            BRAKE => indications.brake_open,
+            IN_PLACE => indications.in_place,
             _ => custom >> number & 1 == 1,
         };
         active |= u8::from(is_active) << number;
@@ -36,6 +45,10 @@ pub fn levels(indications: Indications, objects: &DriveObjects) -> OutputLevels 
 /// The value of 0x204A for these levels: 0 stands for an output that conducts (manual 2.2.23).
 pub const fn output_level(levels: OutputLevels) -> u16 {
     (!levels.0 & MASK) as u16
+}
+
+const fn functions(objects: &DriveObjects) -> [u16; OUTPUT_COUNT] {
+    [objects.output_1_function, objects.output_2_function]
 }
 
 const MASK: u8 = (1 << OUTPUT_COUNT) - 1;

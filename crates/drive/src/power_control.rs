@@ -41,7 +41,7 @@ pub struct Situation {
     pub fault_clear: bool,
     /// An emergency stop input is valid.
     pub emergency_stop: bool,
-    /// The motor stands.
+    /// The motor stands, and if there is a brake, it holds the shaft.
     pub standing: bool,
 }
 
@@ -52,7 +52,7 @@ pub struct PowerControl {
     /// Whether an enable command may walk up from Switch On Disabled without a Shutdown before: until the first fault, quick stop
     /// or emergency stop, so that the drive never enables by itself.
     courtesy: bool,
-    /// Whether the quick stop under way is that of the emergency stop input, which no option code changes.
+    /// Whether the quick stop under way is that of the emergency stop input, or has become it; no option code changes that one.
     emergency: bool,
     /// Whether the motor has been driven without a break since Operation Enabled.
     driven: bool,
@@ -82,6 +82,7 @@ impl PowerControl {
         let reset = situation.fault_clear || reset_bit && !self.reset_bit;
         self.reset_bit = reset_bit;
         self.courtesy &= !situation.emergency_stop;
+        self.emergency |= self.state == PowerState::QuickStopActive && situation.emergency_stop;
         if let Some(event) = self.event(situation, objects, reset) {
             self.enter(self.state.after(event), event, situation);
         }
@@ -111,6 +112,11 @@ impl PowerControl {
                 (_, command) => Some(Event::Command(command)),
             },
         }
+    }
+
+    /// Whether a stop in the present state ends with the motor switched off, as all do but quick stops of options 5 and 6.
+    pub const fn stop_switches_off(&self, objects: &DriveObjects) -> bool {
+        !matches!(self.state, PowerState::QuickStopActive) || self.emergency || objects.quick_stop_option < 5
     }
 
     fn event_in_quick_stop(&self, situation: &Situation, objects: &DriveObjects) -> Option<Event> {

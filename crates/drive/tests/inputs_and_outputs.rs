@@ -99,6 +99,105 @@ fn set_points_are_not_taken_while_the_motor_is_offline() {
 }
 
 #[test]
+fn emergency_stop_takes_over_a_slower_quick_stop() {
+    for option in [1, 5] {
+        let mut rig = running();
+        rig.objects.quick_stop_option = option;
+        rig.objects.input_1_function = 5;
+        rig.command(0x02);
+        rig.ticks(100);
+        rig.inputs = 0x01;
+        rig.tick();
+        rig.inputs = 0;
+        let ticks = rig.until("disabled", |rig| rig.state() == SwitchOnDisabled);
+        assert!((700..1_000).contains(&ticks), "0x6085: {ticks}");
+    }
+}
+
+/// A drive in fault whose cause is gone, with IN1 and IN2 that clear faults.
+fn faulty() -> Rig {
+    let mut rig = Rig::new();
+    (rig.objects.input_1_function, rig.objects.input_2_function) = (4, 4);
+    rig.drive.parameters_lost();
+    rig.until("in fault", |rig| rig.state() == Fault);
+    rig
+}
+
+#[test]
+fn each_of_several_fault_clear_inputs_counts_by_its_own_edge() {
+    let mut rig = faulty();
+    rig.inputs = 0x01;
+    rig.tick();
+    assert_eq!(rig.state(), SwitchOnDisabled);
+    rig.drive.parameters_lost();
+    rig.until("in fault again", |rig| rig.state() == Fault);
+    rig.inputs = 0x03;
+    rig.tick();
+    assert_eq!(rig.state(), SwitchOnDisabled, "IN1 that is held does not hide IN2");
+}
+
+#[test]
+fn neither_polarity_nor_function_nor_power_on_make_an_edge_that_clears_faults() {
+    let mut rig = faulty();
+    rig.objects.input_polarity = 0;
+    rig.ticks(10);
+    assert_eq!(rig.state(), Fault);
+    rig.objects.input_1_function = 0;
+    rig.tick();
+    rig.objects.input_1_function = 4;
+    rig.ticks(10);
+    assert_eq!(rig.state(), Fault);
+    let mut rig = Rig::at_power_up();
+    rig.objects.input_1_function = 4;
+    rig.inputs = 0x01;
+    rig.drive.parameters_lost();
+    rig.ticks(100);
+    assert_eq!(rig.state(), Fault);
+}
+
+#[test]
+fn every_function_works_at_every_input_in_both_polarities_and_at_two_inputs_at_once() {
+    let signals: [(u16, fn(&Rig) -> bool); 8] = [
+        (0, |_| false),
+        (1, |rig| rig.objects.digital_inputs & 0b010 != 0 && rig.status(11)),
+        (2, |rig| rig.objects.digital_inputs & 0b001 != 0 && rig.status(11)),
+        (3, |rig| rig.objects.digital_inputs & 0b100 != 0),
+        (5, |rig| rig.state() == QuickStopActive),
+        (6, |rig| !rig.is_powered()),
+        (7, |rig| rig.objects.probe_status == 0x0103),
+        (8, |rig| rig.objects.probe_status == 0x0301),
+    ];
+    for (function, is_active) in signals {
+        for input in 1..=6 {
+            for twin in [input, input % 6 + 1] {
+                for normally_open in [true, false] {
+                    let mut rig = Rig::new();
+                    for number in 1..=6 {
+                        let wanted = if number == input || number == twin { function } else { 0 };
+                        rig.download(0x2007, number, &wanted.to_le_bytes()).unwrap();
+                    }
+                    let at_rest = if normally_open { 0x00 } else { 0x3F };
+                    rig.objects.input_polarity = u16::from(0x3F & !at_rest);
+                    rig.inputs = at_rest;
+                    rig.objects.probe_function = 0x1111;
+                    rig.objects.mode = 3;
+                    rig.tick();
+                    rig.enable();
+                    let case = format!("function {function}, IN{input} and IN{twin}, normally open {normally_open}");
+                    assert_eq!(rig.objects.digital_inputs, 0, "{case}");
+                    assert!(!is_active(&rig), "{case}");
+                    rig.inputs ^= 1 << (input - 1);
+                    rig.tick();
+                    assert_eq!(is_active(&rig), function != 0, "{case}");
+                    assert_eq!(rig.objects.digital_inputs >> 16, 1 << (input - 1), "{case}");
+                    assert_eq!(rig.objects.input_level, u16::from(rig.inputs), "{case}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn a_fault_clear_input_resets_on_its_rising_edge() {
     let mut rig = running();
     rig.objects.input_2_function = 4;
@@ -117,7 +216,7 @@ fn a_fault_clear_input_resets_on_its_rising_edge() {
 
 #[test]
 fn alarm_brake_and_in_place_outputs() {
-    let mut rig = Rig::new();
+    let mut rig = with_brake();
     assert_eq!((rig.actuators.outputs, rig.objects.output_level), (OutputLevels(0b00), 0b11));
     rig.objects.soft_lock_time = 50;
     rig.objects.mode = 1;
@@ -140,9 +239,111 @@ fn alarm_brake_and_in_place_outputs() {
     rig.objects.output_1_function = 1;
     rig.drive.set_network(false);
     rig.tick();
-    assert_eq!(rig.actuators.outputs, OutputLevels(0b11), "alarm");
+    assert_eq!(
+        (rig.state(), rig.actuators.outputs),
+        (FaultReactionActive, OutputLevels(0b01)),
+        "alarm, and the brake shuts"
+    );
+}
+
+/// A drive as delivered, with the brake on OUT2.
+fn with_brake() -> Rig {
+    let mut rig = Rig::new();
+    rig.objects.output_2_function = 2;
     rig.tick();
-    assert_eq!(rig.actuators.outputs, OutputLevels(0b01), "the brake shuts with the power");
+    rig
+}
+
+const BRAKE: u8 = 0b10;
+
+/// Ticks for which the shut brake is still backed by the motor; asserts that the state stays and the motor holds all the while.
+fn ticks_until_the_brake_holds(rig: &mut Rig) -> usize {
+    let (state, amplitude) = (rig.state(), rig.amplitude());
+    let mut ticks = 0;
+    while rig.actuators.outputs.0 & BRAKE == 0 && rig.is_powered() {
+        assert_eq!((rig.state(), rig.amplitude()), (state, amplitude), "after {ticks} ticks");
+        rig.tick();
+        ticks += 1;
+    }
+    ticks
+}
+
+#[test]
+fn the_brake_shuts_50_ms_before_a_motor_that_was_stopped_is_switched_off() {
+    let disable: fn(&mut Rig) = |rig| rig.objects.controlword = 0x07;
+    let shut_down: fn(&mut Rig) = |rig| {
+        rig.objects.shutdown_option = 1;
+        rig.objects.controlword = 0x06;
+    };
+    let quick_stop: fn(&mut Rig) = |rig| rig.objects.controlword = 0x02;
+    let emergency_stop: fn(&mut Rig) = |rig| {
+        rig.objects.quick_stop_option = 6;
+        rig.objects.input_1_function = 5;
+        rig.inputs = 0x01;
+    };
+    let fault: fn(&mut Rig) = |rig| rig.drive.set_network(false);
+    for (velocity, (leave, state)) in [0, 20_000].into_iter().flat_map(|velocity| {
+        [
+            (disable, SwitchedOn),
+            (shut_down, ReadyToSwitchOn),
+            (quick_stop, SwitchOnDisabled),
+            (emergency_stop, SwitchOnDisabled),
+            (fault, Fault),
+        ]
+        .map(|case| (velocity, case))
+    }) {
+        let mut rig = with_brake();
+        rig.objects.mode = 3;
+        rig.enable();
+        rig.objects.target_velocity = velocity;
+        rig.until("at speed", |rig| rig.pulses_per_second() == velocity);
+        assert_eq!(rig.actuators.outputs.0 & BRAKE, BRAKE);
+        leave(&mut rig);
+        rig.until("standing", |rig| {
+            assert!(rig.actuators.outputs.0 & BRAKE == 0 || rig.drive.is_moving());
+            !rig.drive.is_moving()
+        });
+        assert_eq!(ticks_until_the_brake_holds(&mut rig), 1_001, "{state:?}");
+        assert_eq!((rig.state(), rig.is_powered()), (state, false));
+    }
+}
+
+#[test]
+fn the_brake_shuts_with_the_current_where_the_motor_coasts() {
+    let disable_voltage: fn(&mut Rig) = |rig| rig.objects.controlword = 0x00;
+    let shut_down: fn(&mut Rig) = |rig| rig.objects.controlword = 0x06;
+    let offline: fn(&mut Rig) = |rig| rig.inputs = IN_OFFLINE;
+    for (leave, state) in [
+        (disable_voltage, SwitchOnDisabled),
+        (shut_down, ReadyToSwitchOn),
+        (offline, OperationEnabled),
+    ] {
+        let mut rig = with_brake();
+        rig.enable();
+        assert_eq!(rig.actuators.outputs.0 & BRAKE, BRAKE);
+        leave(&mut rig);
+        rig.tick();
+        assert_eq!((rig.state(), rig.is_powered(), rig.actuators.outputs.0 & BRAKE), (state, false, 0));
+    }
+}
+
+#[test]
+fn the_brake_stays_open_in_a_quick_stop_that_holds_and_opens_again_for_a_disable_command_taken_back() {
+    let mut rig = with_brake();
+    rig.objects.quick_stop_option = 6;
+    rig.enable();
+    rig.command(0x02);
+    rig.milliseconds(100);
+    assert_eq!(
+        (rig.state(), rig.is_powered(), rig.actuators.outputs.0 & BRAKE),
+        (QuickStopActive, true, BRAKE)
+    );
+    rig.command(0x0F);
+    rig.objects.controlword = 0x07;
+    rig.milliseconds(40);
+    assert_eq!((rig.state(), rig.actuators.outputs.0 & BRAKE), (OperationEnabled, 0));
+    rig.command(0x0F);
+    assert_eq!((rig.state(), rig.actuators.outputs.0 & BRAKE), (OperationEnabled, BRAKE));
 }
 
 #[test]

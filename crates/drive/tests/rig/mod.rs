@@ -38,12 +38,13 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// A drive in OP, one tick after power-up, without motion filter and input filter.
+    /// A drive in OP, one tick after power-up, without motion filter, input filter and brake.
     pub fn new() -> Self {
         let mut rig = Self::at_power_up();
         rig.objects.filter_time = 0;
         rig.objects.input_filter = 0;
         rig.objects.soft_lock_time = 0;
+        rig.objects.output_2_function = 0;
         rig.drive.set_network(true);
         rig.tick();
         rig
