@@ -177,6 +177,7 @@ fn functions(objects: &DriveObjects) -> [Function; INPUT_COUNT] {
 mod tests {
     use super::*;
 
+    // manual: 2.2.24/time
     #[test]
     fn a_level_counts_once_it_was_steady_for_the_filter_time() {
         let mut objects = DriveObjects::new();
@@ -202,6 +203,7 @@ mod tests {
         assert_eq!(inputs.tick(InputLevels(0b100), &objects).valid, 0b100);
     }
 
+    // manual: 2.2.8/polarity
     #[test]
     fn normally_open_is_valid_with_current_and_normally_closed_without() {
         let mut objects = DriveObjects::new();
@@ -209,6 +211,7 @@ mod tests {
         assert_eq!(Inputs::default().tick(InputLevels(0b00_0111), &objects).valid, 0b11_1100);
     }
 
+    // manual: 2.3.23/switches
     #[test]
     fn cw_is_the_positive_limit_and_bit_1_of_the_digital_inputs() {
         let objects = DriveObjects::new();

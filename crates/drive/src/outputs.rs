@@ -57,6 +57,7 @@ const MASK: u8 = (1 << OUTPUT_COUNT) - 1;
 mod tests {
     use super::*;
 
+    // manual: 1.3.2/open 2.2.23/level
     #[test]
     fn by_default_alarm_is_on_out1_and_brake_on_out2() {
         let objects = DriveObjects::new();
@@ -74,6 +75,7 @@ mod tests {
         assert_eq!(output_level(OutputLevels(0b10)), 0b01);
     }
 
+    // manual: 1.3.2/settings 2.2.6/polarity
     #[test]
     fn a_normally_closed_output_conducts_while_its_function_is_not_active() {
         let mut objects = DriveObjects::new();
@@ -87,6 +89,7 @@ mod tests {
         assert_eq!(levels(in_place, &objects), OutputLevels(0b00));
     }
 
+    // manual: 2.2.5/custom 2.3.24/outputs 2.3.24/mask 2.3.24/reserved
     #[test]
     fn a_custom_output_follows_its_bit_only_through_the_mask() {
         let mut objects = DriveObjects::new();
@@ -97,5 +100,18 @@ mod tests {
         assert_eq!(levels(Indications::default(), &objects), OutputLevels(0b10));
         objects.physical_outputs = 0x0001_FFFF;
         assert_eq!(levels(Indications::default(), &objects), OutputLevels(0));
+        (objects.physical_outputs, objects.output_mask) = (!0x0003_0000, !0);
+        assert_eq!(levels(Indications::default(), &objects), OutputLevels(0), "reserved bits");
+    }
+
+    // manual: 2.2.5/custom 2.2.6/polarity
+    #[test]
+    fn with_0x60fe_left_at_0_polarity_alone_switches_a_custom_output() {
+        let mut objects = DriveObjects::new();
+        (objects.output_1_function, objects.output_2_function) = (0, 0);
+        for (polarity, conducting) in [(0b11, 0b00), (0b10, 0b01), (0b01, 0b10), (0b00, 0b11)] {
+            objects.output_polarity = polarity;
+            assert_eq!(levels(Indications::default(), &objects), OutputLevels(conducting));
+        }
     }
 }

@@ -144,6 +144,11 @@ impl Plant {
         self.outputs
     }
 
+    /// Gives the supply another voltage, from the next step on.
+    pub fn set_supply(&mut self, supply: Millivolts) {
+        self.config.supply = supply;
+    }
+
     /// Holds input terminals on by hand, beside what the switches do, from the next step's start on.
     pub fn hold_inputs(&mut self, held_on: InputLevels) {
         self.terminals.held_on = held_on;
