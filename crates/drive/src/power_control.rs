@@ -52,7 +52,7 @@ pub struct PowerControl {
     /// Whether an enable command may walk up from Switch On Disabled without a Shutdown before: until the first fault, quick stop
     /// or emergency stop, so that the drive never enables by itself.
     courtesy: bool,
-    /// Whether the quick stop under way is that of the emergency stop input, or has become it; no option code changes that one.
+    /// Whether the quick stop under way is that of the emergency stop input, which no option code changes.
     emergency: bool,
     /// Whether the motor has been driven without a break since Operation Enabled.
     driven: bool,
@@ -82,7 +82,6 @@ impl PowerControl {
         let reset = situation.fault_clear || reset_bit && !self.reset_bit;
         self.reset_bit = reset_bit;
         self.courtesy &= !situation.emergency_stop;
-        self.emergency |= self.state == PowerState::QuickStopActive && situation.emergency_stop;
         if let Some(event) = self.event(situation, objects, reset) {
             self.enter(self.state.after(event), event, situation);
         }

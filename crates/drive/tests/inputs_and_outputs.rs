@@ -101,22 +101,6 @@ fn set_points_are_not_taken_while_the_motor_is_offline() {
     assert_eq!((rig.objects.position, rig.status(12)), (0, false));
 }
 
-#[test]
-fn emergency_stop_takes_over_a_slower_quick_stop() {
-    for option in [1, 5] {
-        let mut rig = running();
-        rig.objects.quick_stop_option = option;
-        rig.objects.input_1_function = 5;
-        rig.command(0x02);
-        rig.ticks(100);
-        rig.inputs = 0x01;
-        rig.tick();
-        rig.inputs = 0;
-        let ticks = rig.until("disabled", |rig| rig.state() == SwitchOnDisabled);
-        assert!((700..1_000).contains(&ticks), "0x6085: {ticks}");
-    }
-}
-
 /// A drive in fault whose cause is gone, with IN1 and IN2 that clear faults.
 fn faulty() -> Rig {
     let mut rig = Rig::new();
