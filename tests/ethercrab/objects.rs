@@ -42,6 +42,7 @@ fn bytes(value: i64, entry: &Entry) -> Vec<u8> {
     value.to_le_bytes()[..entry.size()].to_vec()
 }
 
+// manual: 1.1.1/coe
 #[test]
 fn every_object_is_read_with_its_length() {
     in_preop(async |drive| {

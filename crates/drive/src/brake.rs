@@ -2,7 +2,8 @@
 
 use board::TICKS_PER_SECOND;
 
-/// For how many ticks the motor goes on holding while the brake shuts: 50 ms, more than spring-applied brakes of motors of this size need.
+/// For how many ticks the motor goes on holding while the brake shuts: 50 ms, meant to be more than spring-applied
+/// brakes of motors of this size take.
 const SHUTTING: u32 = TICKS_PER_SECOND / 20;
 
 /// What the drive knows of the brake, tick by tick.

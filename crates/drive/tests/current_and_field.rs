@@ -93,6 +93,7 @@ fn run_reverse_turns_the_field_the_other_way_and_changing_it_does_not_turn_it() 
     assert!((quarter - (1 << 30)).abs() < 64, "{quarter}");
 }
 
+// manual: 2.4.4/feedback
 #[test]
 fn torque_is_the_measured_current_over_the_operating_current() {
     let mut rig = Rig::new();

@@ -71,8 +71,8 @@ fn shown(rig: &Rig) -> (u16, u16, bool, bool) {
     (objects.error_code, objects.alarm_code, objects.status_code & 0x02 != 0, output)
 }
 
-// manual: 1.6/disabled 1.6/working 1.6/overvoltage 1.6/parameters 2.2.5/alarm 2.2.7/fault-clear 2.2.14/overvoltage 2.2.14/cleared
-// manual: 2.2.15/failed 2.3.1/object 2.3.1/cleared 2.3.1/7500 2.3.1/3110 2.3.1/5530 2.3.2/reset
+// manual: 1.6/disabled 1.6/working 1.6/overvoltage 1.6/parameters 2.2.5/alarm 2.2.7/fault-clear 2.2.14/overvoltage
+// manual: 2.2.14/reserved 2.2.14/cleared 2.2.15/failed 2.3.1/object 2.3.1/cleared 2.3.1/7500 2.3.1/3110 2.3.1/5530 2.3.2/reset
 #[test]
 fn each_fault_shows_in_all_its_places_stops_as_0x605e_says_and_is_cleared_once_its_cause_is_gone() {
     for case in &CASES {

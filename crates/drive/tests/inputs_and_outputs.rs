@@ -341,7 +341,7 @@ fn the_brake_stays_open_in_a_quick_stop_that_holds_and_opens_again_for_a_disable
     assert_eq!((rig.state(), rig.actuators.outputs.0 & BRAKE), (OperationEnabled, BRAKE));
 }
 
-// manual: 2.2.15/enabled 2.2.15/in-place 2.2.15/running 2.2.15/ready
+// manual: 2.2.15/enabled 2.2.15/in-place 2.2.15/running 2.2.15/ready 2.2.15/reserved
 #[test]
 fn the_status_code_tells_enabled_in_place_and_running() {
     let mut rig = Rig::new();

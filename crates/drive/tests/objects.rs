@@ -240,6 +240,7 @@ fn values_outside_of_the_range_or_of_wrong_length_are_refused_and_change_nothing
 }
 
 // manual: 2.3.3/object 2.3.17/object 2.3.18/object 2.3.19/object 2.3.20/object 2.3.21/object 2.3.22/object 2.3.23/object
+// manual: 2.4.4/feedback
 #[test]
 fn what_the_drive_alone_knows_is_mapped_into_inputs_only() {
     let unmappable = [0x204B, 0x204C];
