@@ -2,10 +2,12 @@
 //!
 //! - [`tidy`]: layering, banned words, module sizes, text hygiene: the design's rules as tests; the manual's statements and their tests.
 //! - [`no_std`]: builds the firmware core for a Cortex-M, which has no standard library.
+//! - [`fuzz`]: runs the fuzz targets for some time.
 //! - [`ci`]: everything a change must pass, one step after the other.
 #![forbid(unsafe_code)]
 
 mod ci;
+mod fuzz;
 mod no_std;
 mod tidy;
 
@@ -19,6 +21,7 @@ Commands:
   tidy                    check layering, style, text hygiene and the tests of the manual's statements
   manual                  write the book's page of the manual's statements and their tests
   no-std                  build the firmware core for thumbv7em-none-eabihf
+  fuzz [--seconds N]      run every fuzz target over its corpus and then on, a minute each unless told
   ci [--without STEP]...  run fmt, clippy, doc, tidy, test and no-std, all but the named steps";
 
 fn main() -> ExitCode {
@@ -28,6 +31,10 @@ fn main() -> ExitCode {
         ["tidy"] => exit(tidy::check(&root())),
         ["manual"] => exit(tidy::renew_manual(&root())),
         ["no-std"] => exit(no_std::build(&root())),
+        ["fuzz", rest @ ..] => match fuzz::seconds(rest) {
+            Ok(seconds) => exit(fuzz::run(&root(), seconds)),
+            Err(error) => misuse(&error),
+        },
         ["ci", rest @ ..] => match ci::without(rest) {
             Ok(skipped) => exit(ci::run(&root(), &skipped)),
             Err(error) => misuse(&error),

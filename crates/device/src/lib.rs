@@ -50,6 +50,7 @@ use wire::{EscAccess, Nanos};
 /// The memory is used as a whole: at least four erasable pages of 1 KiB or more, for the parameters alone. It is read at power-on. It is
 /// written only when the master saves or restores parameters, at standstill; [`Device::tick`] or [`Device::poll`] then lasts as long as
 /// the flash takes to write half a kilobyte and now and then to erase a page, and the power stage has to hold its last command meanwhile.
+#[derive(Clone, Debug)]
 pub struct Device {
     slave: Slave,
     drive: Drive,

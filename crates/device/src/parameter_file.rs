@@ -74,6 +74,7 @@ fn value(objects: &DriveObjects, slot: usize, entry: &Entry) -> i64 {
 }
 
 /// A file on its way in.
+#[derive(Clone, Debug)]
 pub(crate) struct ParameterFile {
     /// The objects as they will be.
     staged: DriveObjects,

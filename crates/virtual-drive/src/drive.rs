@@ -64,6 +64,7 @@ impl DriveConfig {
 }
 
 /// One drive on the wire.
+#[derive(Clone)]
 pub struct VirtualDrive {
     config: DriveConfig,
     chip: Chip,

@@ -10,28 +10,39 @@ use crate::cables::{Cable, CableState};
 use crate::drive::DriveStatus;
 use crate::segment::VirtualSegment;
 
-impl fmt::Display for DriveStatus {
+/// States, mode, position and error, without the LEDs.
+struct States<'a>(&'a DriveStatus);
+
+impl fmt::Display for States<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:6}", self.al_state.name())?;
-        if self.al_status_code.code() != 0 {
-            write!(f, " (0x{:04X})", self.al_status_code.code())?;
+        let Self(status) = self;
+        write!(f, "{:6}", status.al_state.name())?;
+        if status.al_status_code.code() != 0 {
+            write!(f, " (0x{:04X})", status.al_status_code.code())?;
         }
-        let mode = Mode::from_object(self.mode).map_or("no mode", Mode::name);
-        write!(f, "  {:22} {:7}", self.power_state.name(), mode)?;
+        let mode = Mode::from_object(status.mode).map_or("no mode", Mode::name);
+        write!(f, "  {:22} {:7}", status.power_state.name(), mode)?;
         write!(
             f,
             "  position {:>11}  shaft {:>9.3} turns  {:>5} rpm",
-            self.position, self.shaft.0, self.velocity_rpm
+            status.position, status.shaft.0, status.velocity_rpm
         )?;
-        if self.error_code != 0 {
-            write!(f, "  error 0x{:04X}", self.error_code)?;
+        if status.error_code != 0 {
+            write!(f, "  error 0x{:04X}", status.error_code)?;
         }
-        // By name: drawn as often as this line is, a flashing LED would show flashes that are not its own.
-        write!(f, "  LEDs: {}", self.indicators)
+        Ok(())
     }
 }
 
-/// One line a drive: rewritten in place on a terminal, written anew when a state changes elsewhere. And one for each change of a cable.
+impl fmt::Display for DriveStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // By name: drawn as often as this line is, a flashing LED would show flashes that are not its own.
+        write!(f, "{}  LEDs: {}", States(self), self.indicators)
+    }
+}
+
+/// What there is to tell of each drive: rewritten in place on a terminal, with the LEDs on a line of their own, since many terminals are not
+/// wide enough for both; written anew when a state changes elsewhere. And a line for each change of a cable.
 pub struct StatusLines {
     bars: Vec<ProgressBar>,
     /// Draws the bars; nothing is drawn without it.
@@ -46,14 +57,13 @@ impl StatusLines {
     /// Lines for so many drives.
     pub fn new(drives: usize) -> Self {
         let frame = MultiProgress::new();
-        let style = ProgressStyle::with_template("{prefix:>4} {wide_msg}").unwrap_or_else(|_| ProgressStyle::default_spinner());
-        let line = |number: usize| {
+        let style = ProgressStyle::with_template("{wide_msg}\n     {prefix}").unwrap_or_else(|_| ProgressStyle::default_spinner());
+        let lines = |_| {
             let bar = frame.add(ProgressBar::new_spinner());
             bar.set_style(style.clone());
-            bar.set_prefix(number.to_string());
             bar
         };
-        let bars: Vec<ProgressBar> = (1..=drives).map(line).collect();
+        let bars: Vec<ProgressBar> = (0..drives).map(lines).collect();
         let is_terminal = bars.first().is_some_and(|bar| !bar.is_hidden());
         Self {
             bars,
@@ -70,7 +80,8 @@ impl StatusLines {
         for (position, drive) in segment.drives().iter().enumerate() {
             let status = drive.status();
             if self.is_terminal {
-                self.bars[position].set_message(status.to_string());
+                self.bars[position].set_message(format!("{:>4} {}", position + 1, States(&status)));
+                self.bars[position].set_prefix(format!("LEDs: {}", status.indicators));
             } else {
                 let state = format!(
                     "{} {} {} {} {}",

@@ -197,6 +197,7 @@ fn mailbox(xml: &mut Xml) -> io::Result<()> {
                 .with_attribute(("PdoConfig", "true"))
                 .with_attribute(("CompleteAccess", "true"))
                 .with_attribute(("SegmentedSdo", "true"))
+                .with_attribute(("DiagHistory", "true"))
                 .write_inner_content(|xml| layout::INIT_COMMANDS.iter().try_for_each(|command| init_command(xml, command)))?;
             xml.create_element("FoE").write_empty()?;
             Ok(())
