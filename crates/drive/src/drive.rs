@@ -7,6 +7,7 @@ use crate::alarm::{Alarm, AlarmLed, Light};
 use crate::brake::Brake;
 use crate::controlword::{Controlword, StartEdge};
 use crate::faults::{Fault, Faults};
+use crate::homing::Method;
 use crate::inputs::{Inputs, Signals};
 use crate::modes::{Context, Mode, Modes};
 use crate::motion::Motion;
@@ -103,8 +104,9 @@ impl Drive {
     /// Whether the present state forbids to write `data` into `slot`; length and range are the table's to check.
     ///
     /// # Errors
-    /// The abort code of the download: 0x06090030 for a mode, an option or a function that the drive does not have; 0x08000022 for the
-    /// current loop's gains while the drive sets them itself, and for clearing the position while the motor moves or is led by CSP.
+    /// The abort code of the download: 0x06090030 for a mode, a homing method, an option or a function that the drive does not have;
+    /// 0x08000022 for the current loop's gains while the drive sets them itself, and for clearing the position while the motor moves or
+    /// is led by CSP.
     pub fn check_write(&self, objects: &DriveObjects, slot: usize, data: &[u8]) -> Result<(), AbortCode> {
         match (slot, data) {
             (slots::current_loop_kp | slots::current_loop_ki | slots::current_loop_kc, _) if objects.auto_pi != 0 => {
@@ -113,6 +115,7 @@ impl Drive {
             (slots::mode, &[mode]) if mode != 0 && Mode::from_object(mode as i8).is_none() => Err(AbortCode::ValueRange),
             // Stops at the limit of current or voltage need a current reserve that is known, as only a closed loop has.
             (slots::quick_stop_option, &[3 | 4, 0]) => Err(AbortCode::ValueRange),
+            (slots::homing_method, &[method]) if is_gap(method as i8) => Err(AbortCode::ValueRange),
             (slots::probe_function, &[low, high]) if !touch_probe::is_function(u16::from_le_bytes([low, high])) => {
                 Err(AbortCode::ValueRange)
             }
@@ -289,6 +292,12 @@ impl Default for Drive {
     fn default() -> Self {
         Self::new()
     }
+}
+
+/// Whether the drive has no such homing method although the range of 0x6098 spans it.
+fn is_gap(method: i8) -> bool {
+    let entry = &DriveObjects::ENTRIES[slots::homing_method];
+    (entry.min..=entry.max).contains(&method.into()) && Method::lookup(method, 0).is_none()
 }
 
 /// The current vector's amplitude in per mille of the operating current.

@@ -123,7 +123,7 @@ dictionary::object_dictionary! {
         0x204A:0 output_level: u16 = 0, RO | TX_PDO, "Output Level";
         /// Time that an input has to be steady before it counts (manual 2.2.24).
         0x204B:0 input_filter: u16 = 60, RW, unit "50us", "IN Port filter";
-        /// Which of the manual's two variants of the homing methods runs (manual 2.2.25).
+        /// Which of the manual's two variants of the homing methods runs; variant 1 is reconstructed (manual 2.2.25, 2.4.6).
         0x204C:0 homing_variant: u16 = 0, RW, in 0..=1, "HM method select";
         /// Which detections are on; bit 7 is phase loss (manual, revision V202).
         0x2056:0 error_detection: u16 = 0x0080, RW | RX_PDO, "Error Detect enable";
@@ -174,7 +174,7 @@ dictionary::object_dictionary! {
         0x6084:0 profile_deceleration: i32 = 100000, RW | RX_PDO | TX_PDO, in 0..=0x7FFF_FFFF, unit "Pulse/s2", "Profile Deceleration";
         /// Deceleration of quick stops and at switches (manual 2.3.13). 0 counts as 1.
         0x6085:0 quick_stop_deceleration: i32 = 500000, RW | RX_PDO | TX_PDO, in 0..=0x7FFF_FFFF, unit "Pulse/s2", "Quickstop Deceleration";
-        /// Homing method (manual 2.3.14).
+        /// Homing method, 17 to 30 or 35 (manual 2.3.14, 2.4.6).
         0x6098:0 homing_method: i8 = 17, RW | RX_PDO | TX_PDO, in 17..=35, "Homing Method";
         /// Homing speed towards a switch (manual 2.3.15).
         0x6099:1 homing_speed_fast: u32 = 10000, RW | RX_PDO | TX_PDO | SAVED,

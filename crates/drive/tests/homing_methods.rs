@@ -1,4 +1,4 @@
-//! The homing methods of variant 0 on an axis with two limit switches and a home switch in mid travel.
+//! The interpreter of the homing methods on an axis with two limit switches and a home switch in mid travel: ramps, limits, errors.
 
 use drive::homing::{Action, Homing, HomingError, Outcome, Parameters, Signals};
 use drive::profile::{Acceleration, Command, Generator, Position, Ramp, Speed};
@@ -74,10 +74,14 @@ struct Run {
     ticks: u32,
 }
 
-/// Runs a method until it is finished or failed and the axis stands.
-fn run(axis: &Axis, method: i8, mut generator: Generator, parameters: &Parameters) -> Run {
+/// Runs a method of variant 0 until it is finished or failed and the axis stands.
+fn run(axis: &Axis, method: i8, generator: Generator, parameters: &Parameters) -> Run {
+    run_in(0, axis, method, generator, parameters)
+}
+
+fn run_in(variant: u8, axis: &Axis, method: i8, mut generator: Generator, parameters: &Parameters) -> Run {
     let signals = axis.signals(generator.position());
-    let mut homing = Homing::start(method, 0, ALL, signals).expect("a method of the drive");
+    let mut homing = Homing::start(method, variant, ALL, signals).expect("a method of the drive");
     let (mut legs, mut attained) = (Vec::new(), None);
     for ticks in 0..2_000_000 {
         let position = generator.position();
@@ -263,15 +267,20 @@ fn an_axis_under_way_is_stopped_before_the_search() {
     assert_eq!(run.attained.expect("an edge").0.pulses(), AXIS.home.1);
 }
 
+/// Both variants of the methods that look for the home switch.
+fn home_methods() -> impl Iterator<Item = (u8, i8)> {
+    (0..=1).flat_map(|variant| (19..=30).map(move |method| (variant, method)))
+}
+
 #[test]
 fn a_second_limit_without_the_edge_is_an_error() {
     let homeless = Axis { home: (1, 0), ..AXIS };
-    for (method, legs) in [(19, vec![H, -L]), (20, vec![L, -H]), (21, vec![-H, L])] {
-        let run = run(&homeless, method, standing(0), &PARAMETERS);
-        assert_eq!(
-            (run.last, run.legs, run.attained),
-            (Outcome::Failed(HomingError::LimitInTheWay), legs, None)
-        );
+    for (variant, method) in home_methods() {
+        let run = run_in(variant, &homeless, method, standing(0), &PARAMETERS);
+        assert_eq!((run.last, run.attained), (Outcome::Failed(HomingError::LimitInTheWay), None));
+        let away = if matches!(method, 19 | 20 | 23..=26) { 1 } else { -1 };
+        let directions: Vec<i64> = run.legs.iter().map(|leg| leg.signum()).collect();
+        assert_eq!(directions, [away, -away], "variant {variant}, method {method}");
     }
 }
 
@@ -281,33 +290,39 @@ fn a_home_switch_that_never_goes_off_is_an_error() {
         home: (i32::MIN, i32::MAX),
         ..AXIS
     };
-    for (method, legs) in [(19, vec![-L]), (20, vec![-H]), (21, vec![L])] {
-        let run = run(&stuck, method, standing(0), &PARAMETERS);
-        assert_eq!(
-            (run.last, run.legs, run.attained),
-            (Outcome::Failed(HomingError::LimitInTheWay), legs, None)
-        );
+    for (variant, method) in home_methods() {
+        let run = run_in(variant, &stuck, method, standing(0), &PARAMETERS);
+        assert_eq!((run.last, run.attained), (Outcome::Failed(HomingError::LimitInTheWay), None));
+        assert_eq!(run.legs.len(), 1, "variant {variant}, method {method}");
     }
 }
 
 #[test]
 fn a_limit_that_fails_to_go_off_before_the_other_one_is_an_error() {
     let stuck = Axis { negative: 4000, ..AXIS };
-    let run = run(&stuck, 17, standing(0), &PARAMETERS);
-    assert_eq!((run.last, run.attained), (Outcome::Failed(HomingError::BothLimitsActive), None));
+    for (variant, method) in [(0, 17), (1, 17), (1, 18)] {
+        let run = run_in(variant, &stuck, method, standing(0), &PARAMETERS);
+        assert_eq!((run.last, run.attained), (Outcome::Failed(HomingError::BothLimitsActive), None));
+    }
 }
 
 #[test]
 fn what_cannot_be_run_is_refused_at_the_start() {
     let both = Signals { home: false, ..ALL };
     let off = Signals::default();
-    for method in [17, 18, 19, 20, 21] {
-        assert_eq!(Homing::start(method, 0, ALL, both).unwrap_err(), HomingError::BothLimitsActive);
-        assert_eq!(Homing::start(method, 0, off, off).unwrap_err(), HomingError::SignalNotAssigned);
-        assert_eq!(Homing::start(method, 1, ALL, off).unwrap_err(), HomingError::UnsupportedMethod);
-    }
-    for method in (i8::MIN..=i8::MAX).filter(|method| ![17, 18, 19, 20, 21, 35].contains(method)) {
-        assert_eq!(Homing::start(method, 0, ALL, off).unwrap_err(), HomingError::UnsupportedMethod);
+    for method in i8::MIN..=i8::MAX {
+        let start = |variant, assigned, signals| Homing::start(method, variant, assigned, signals).err();
+        for variant in [0, 1] {
+            let (bare, blocked, ready) = match method {
+                17..=30 => (Some(HomingError::SignalNotAssigned), Some(HomingError::BothLimitsActive), None),
+                35 => (None, None, None),
+                _ => [Some(HomingError::UnsupportedMethod); 3].into(),
+            };
+            assert_eq!(start(variant, off, off), bare);
+            assert_eq!(start(variant, ALL, both), blocked);
+            assert_eq!(start(variant, ALL, off), ready);
+        }
+        assert_eq!(start(2, ALL, off), Some(HomingError::UnsupportedMethod));
     }
     assert!(Homing::start(35, 0, off, both).is_ok());
     assert!(Homing::start(19, 0, Signals { home: true, ..off }, off).is_ok());

@@ -2,6 +2,7 @@
 
 mod rig;
 
+use dictionary::AbortCode;
 use drive::PowerState;
 use rig::{Rig, Travel};
 
@@ -236,6 +237,66 @@ fn what_cannot_be_homed_is_a_homing_error_and_no_fault() {
 fn a_search_that_finds_nothing_ends_in_an_error() {
     let mut rig = axis(0, false);
     rig.travel.as_mut().unwrap().home = 1e9..2e9;
-    assert_eq!(home(&mut rig, 19), FAILED);
-    assert_eq!(rig.state(), PowerState::OperationEnabled);
+    rig.objects.homing_method = 19;
+    rig.command(0x1F);
+    rig.until("given up", |rig| rig.status(13));
+    assert_eq!(rig.homing_bits(), (true, false, false), "it still moves");
+    rig.until("standing", |rig| !rig.drive.is_moving());
+    assert_eq!((rig.homing_bits(), rig.state()), (FAILED, PowerState::OperationEnabled));
+    assert!((rig.shaft - NEGATIVE_END).abs() < 10.0, "at the second limit, {}", rig.shaft);
+}
+
+#[test]
+fn without_limit_switches_it_searches_until_it_is_stopped() {
+    let mut rig = axis(0, false);
+    rig.objects.input_3_function = 0;
+    rig.objects.input_4_function = 0;
+    rig.travel.as_mut().unwrap().home = 1e9..2e9;
+    rig.objects.homing_method = 24;
+    rig.command(0x1F);
+    rig.milliseconds(20_000);
+    assert_eq!((rig.homing_bits(), rig.pulses_per_second()), (RUNNING, 2_000));
+    rig.command(0x10F);
+    rig.until("standing", |rig| rig.homing_bits() == IDLE);
+}
+
+#[test]
+fn halted_in_front_of_a_limit_it_brakes_there_with_the_deceleration_at_switches() {
+    let mut rig = axis(-11_000, false);
+    rig.objects.homing_acceleration = 100_000;
+    rig.objects.homing_method = 27;
+    rig.command(0x1F);
+    rig.until("close", |rig| rig.shaft < NEGATIVE_END + 20.0);
+    rig.objects.homing_acceleration = 10;
+    rig.command(0x11F);
+    rig.until("standing", |rig| rig.homing_bits() == IDLE);
+    // 10 000^2 / (2 * 500 000)
+    assert!((rig.shaft - NEGATIVE_END + 100.0).abs() < 3.0, "{}", rig.shaft);
+}
+
+#[test]
+fn method_and_variant_are_those_of_the_start() {
+    let mut rig = axis(0, false);
+    rig.objects.homing_method = 17;
+    rig.command(0x1F);
+    rig.milliseconds(100);
+    rig.objects.homing_method = 18;
+    rig.objects.homing_variant = 1;
+    rig.until("done", |rig| rig.homing_bits() == DONE);
+    assert!((rig.shaft - f64::from(rig.objects.position) - NEGATIVE_END).abs() < 2.0);
+}
+
+#[test]
+fn methods_that_the_drive_does_not_have_are_refused_by_sdo() {
+    let mut rig = Rig::new();
+    for method in 17..=35_u8 {
+        let answer = match method {
+            31..=34 => Err(AbortCode::ValueRange),
+            _ => Ok(()),
+        };
+        assert_eq!(rig.download(0x6098, 0, &[method]), answer, "method {method}");
+    }
+    assert_eq!(rig.download(0x6098, 0, &[16]), Err(AbortCode::ValueTooLow));
+    assert_eq!(rig.download(0x6098, 0, &[36]), Err(AbortCode::ValueTooHigh));
+    assert_eq!(rig.objects.homing_method, 35);
 }

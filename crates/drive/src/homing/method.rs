@@ -2,6 +2,10 @@
 //!
 //! A method is told by three sequences of legs, of which the signal at the start and the limit switches met choose one. A leg runs at one
 //! of the two homing speeds in one direction until an edge of the method's signal is seen; at the last leg's edge the axis is at home.
+//!
+//! 0x204C chooses between two variants (manual 2.4.6.1, 2.4.6.2). In variant 0 a leg that is repeated is fast, and one that may be the last
+//! is slow. In variant 1 the switch is looked for fast, and everything next to it is done slowly; that variant is reconstructed, for the
+//! manual's diagrams of it are not legible.
 
 use Direction::{Negative, Positive};
 use Edge::{Falling, Rising};
@@ -35,8 +39,10 @@ pub enum Signal {
 pub(super) struct Leg {
     pub(super) pace: Pace,
     pub(super) direction: Direction,
+    /// The change of the method's signal that ends the leg.
     pub(super) edge: Edge,
-    pub(super) stop: Stop,
+    /// Whether the axis comes to rest behind the edge. If not, the next leg goes on in the same direction at its own speed.
+    pub(super) rests: bool,
 }
 
 /// Which of the two homing speeds.
@@ -64,26 +70,67 @@ pub(super) enum Edge {
     Falling,
 }
 
-/// How a leg ends after its edge. The methods of variant 0 all end their legs alike.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Stop {
-    /// With 0x6085, the deceleration at limit, home and other sensors (manual 2.3.13).
-    Quick,
-}
-
 impl Method {
     /// The method `method` (0x6098) in the variant `variant` (0x204C), or `None` if the drive does not have it.
     pub fn lookup(method: i8, variant: u8) -> Option<&'static Self> {
-        let methods = match variant {
+        let own = match variant {
             0 => VARIANT_0,
+            1 => VARIANT_1,
             _ => return None,
         };
-        methods.iter().find(|(number, _)| *number == method).map(|(_, method)| method)
+        let mut methods = BOTH_VARIANTS.iter().chain(own);
+        methods.find(|(number, _)| *number == method).map(|(_, method)| method)
     }
 }
 
-/// The methods of variant 0. In the manual's diagrams a leg that may have to be repeated is fast, the one to the deciding edge slow;
-/// only 17 and 18 stop at the limit at whatever speed they came.
+/// To the left edge of the home switch, from within.
+#[rustfmt::skip]
+const LEFT_EDGE_OUTWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[fast(Positive, Rising), slow(Negative, Falling)],
+    inside:  &[slow(Negative, Falling)],
+    turned:  &[slow(Negative, Falling)],
+};
+
+/// To the left edge, from outside.
+#[rustfmt::skip]
+const LEFT_EDGE_INWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[slow(Positive, Rising)],
+    inside:  &[fast(Negative, Falling), slow(Positive, Rising)],
+    turned:  &[fast(Negative, Falling), slow(Positive, Rising)],
+};
+
+/// To the right edge, from within.
+#[rustfmt::skip]
+const RIGHT_EDGE_OUTWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[fast(Negative, Rising), slow(Positive, Falling)],
+    inside:  &[slow(Positive, Falling)],
+    turned:  &[slow(Positive, Falling)],
+};
+
+/// To the right edge, from outside.
+#[rustfmt::skip]
+const RIGHT_EDGE_INWARD: Method = Method {
+    signal: Some(Signal::Home),
+    outside: &[slow(Negative, Rising)],
+    inside:  &[fast(Positive, Falling), slow(Negative, Rising)],
+    turned:  &[fast(Positive, Falling), slow(Negative, Rising)],
+};
+
+/// The methods that are the same in both variants.
+#[rustfmt::skip]
+static BOTH_VARIANTS: &[(i8, Method)] = &[
+    (19, LEFT_EDGE_OUTWARD),
+    (20, LEFT_EDGE_INWARD),
+    (21, RIGHT_EDGE_OUTWARD),
+    (22, RIGHT_EDGE_INWARD),
+    (35, Method { signal: None, outside: &[], inside: &[], turned: &[] }),
+];
+
+/// The other methods in variant 0. 17 and 18 stop at the limit at whatever speed they came. 23, 24, 27 and 28 differ from 19 to 22 only
+/// in that the manual draws their turn at the limit.
 #[rustfmt::skip]
 static VARIANT_0: &[(i8, Method)] = &[
     (17, Method {
@@ -98,41 +145,122 @@ static VARIANT_0: &[(i8, Method)] = &[
         inside:  &[slow(Negative, Falling)],
         turned:  &[],
     }),
-    (19, Method {
+    (23, LEFT_EDGE_OUTWARD),
+    (24, LEFT_EDGE_INWARD),
+    (25, Method {
+        signal: Some(Signal::Home),
+        outside: &[fast(Positive, Falling), slow(Negative, Rising)],
+        inside:  &[fast(Positive, Falling), slow(Negative, Rising)],
+        turned:  &[slow(Negative, Rising)],
+    }),
+    (26, Method {
+        signal: Some(Signal::Home),
+        outside: &[slow(Positive, Falling)],
+        inside:  &[slow(Positive, Falling)],
+        turned:  &[fast(Negative, Rising), slow(Positive, Falling)],
+    }),
+    (27, RIGHT_EDGE_OUTWARD),
+    (28, RIGHT_EDGE_INWARD),
+    (29, Method {
+        signal: Some(Signal::Home),
+        outside: &[fast(Negative, Falling), slow(Positive, Rising)],
+        inside:  &[fast(Negative, Falling), slow(Positive, Rising)],
+        turned:  &[slow(Positive, Rising)],
+    }),
+    (30, Method {
+        signal: Some(Signal::Home),
+        outside: &[slow(Negative, Falling)],
+        inside:  &[slow(Negative, Falling)],
+        turned:  &[fast(Positive, Rising), slow(Negative, Falling)],
+    }),
+];
+
+/// The other methods in variant 1, reconstructed.
+#[rustfmt::skip]
+static VARIANT_1: &[(i8, Method)] = &[
+    (17, Method {
+        signal: Some(Signal::NegativeLimit),
+        outside: &[fast(Negative, Rising), slow(Positive, Falling)],
+        inside:  &[slow(Positive, Falling)],
+        turned:  &[],
+    }),
+    (18, Method {
+        signal: Some(Signal::PositiveLimit),
+        outside: &[fast(Positive, Rising), slow(Negative, Falling)],
+        inside:  &[slow(Negative, Falling)],
+        turned:  &[],
+    }),
+    (23, Method {
         signal: Some(Signal::Home),
         outside: &[fast(Positive, Rising), slow(Negative, Falling)],
         inside:  &[slow(Negative, Falling)],
-        turned:  &[slow(Negative, Falling)],
+        turned:  &[fast(Negative, Rising).passing(), slow(Negative, Falling)],
     }),
-    (20, Method {
+    (24, Method {
         signal: Some(Signal::Home),
-        outside: &[slow(Positive, Rising)],
-        inside:  &[fast(Negative, Falling), slow(Positive, Rising)],
-        turned:  &[fast(Negative, Falling), slow(Positive, Rising)],
+        outside: &[fast(Positive, Rising), slow(Negative, Falling), slow(Positive, Rising)],
+        inside:  &[slow(Negative, Falling), slow(Positive, Rising)],
+        turned:  &[fast(Negative, Rising).passing(), slow(Negative, Falling), slow(Positive, Rising)],
     }),
-    (21, Method {
+    (25, Method {
+        signal: Some(Signal::Home),
+        outside: &[fast(Positive, Rising).passing(), slow(Positive, Falling), slow(Negative, Rising)],
+        inside:  &[slow(Positive, Falling), slow(Negative, Rising)],
+        turned:  &[fast(Negative, Rising), slow(Positive, Falling), slow(Negative, Rising)],
+    }),
+    (26, Method {
+        signal: Some(Signal::Home),
+        outside: &[fast(Positive, Rising).passing(), slow(Positive, Falling)],
+        inside:  &[slow(Positive, Falling)],
+        turned:  &[fast(Negative, Rising), slow(Positive, Falling)],
+    }),
+    (27, Method {
         signal: Some(Signal::Home),
         outside: &[fast(Negative, Rising), slow(Positive, Falling)],
         inside:  &[slow(Positive, Falling)],
-        turned:  &[slow(Positive, Falling)],
+        turned:  &[fast(Positive, Rising).passing(), slow(Positive, Falling)],
     }),
-    (35, Method { signal: None, outside: &[], inside: &[], turned: &[] }),
+    (28, Method {
+        signal: Some(Signal::Home),
+        outside: &[fast(Negative, Rising), slow(Positive, Falling), slow(Negative, Rising)],
+        inside:  &[slow(Positive, Falling), slow(Negative, Rising)],
+        turned:  &[fast(Positive, Rising).passing(), slow(Positive, Falling), slow(Negative, Rising)],
+    }),
+    (29, Method {
+        signal: Some(Signal::Home),
+        outside: &[fast(Negative, Rising).passing(), slow(Negative, Falling), slow(Positive, Rising)],
+        inside:  &[slow(Negative, Falling), slow(Positive, Rising)],
+        turned:  &[fast(Positive, Rising), slow(Negative, Falling), slow(Positive, Rising)],
+    }),
+    (30, Method {
+        signal: Some(Signal::Home),
+        outside: &[fast(Negative, Rising).passing(), slow(Negative, Falling)],
+        inside:  &[slow(Negative, Falling)],
+        turned:  &[fast(Positive, Rising), slow(Negative, Falling)],
+    }),
 ];
 
 const fn fast(direction: Direction, edge: Edge) -> Leg {
-    Leg {
-        pace: Pace::Fast,
-        direction,
-        edge,
-        stop: Stop::Quick,
-    }
+    leg(Pace::Fast, direction, edge)
 }
 
 const fn slow(direction: Direction, edge: Edge) -> Leg {
+    leg(Pace::Slow, direction, edge)
+}
+
+const fn leg(pace: Pace, direction: Direction, edge: Edge) -> Leg {
     Leg {
-        pace: Pace::Slow,
+        pace,
         direction,
         edge,
-        stop: Stop::Quick,
+        rests: true,
+    }
+}
+
+impl Leg {
+    /// The same leg, without a rest behind its edge.
+    const fn passing(mut self) -> Self {
+        self.rests = false;
+        self
     }
 }

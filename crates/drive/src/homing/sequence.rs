@@ -1,6 +1,6 @@
 //! The interpreter of the method tables: from switches and position to motion and outcome, tick by tick.
 
-use super::method::{Direction, Edge, Leg, Method, Pace, Signal, Stop};
+use super::method::{Direction, Edge, Leg, Method, Pace, Signal};
 use crate::profile::{Acceleration, Command, Position, Ramp, Speed};
 
 /// The signals homing looks at, after filter, polarity and function (0x204B, 0x2008, 0x2007): whether each is on, or whether an input has it.
@@ -112,9 +112,9 @@ enum Phase {
         at_limit: &'static [Leg],
     },
     /// Braking before the next leg.
-    Turning { next: &'static [Leg], stop: Stop },
+    Turning { next: &'static [Leg] },
     /// Braking after the deciding edge.
-    Overrunning { stop: Stop },
+    Overrunning,
     /// Standing, at home.
     Finished,
     /// Given up.
@@ -158,14 +158,14 @@ impl Homing {
     fn decide(&mut self, signals: Signals, position: Position, standing: bool) -> Outcome {
         match self.phase {
             Phase::Settling if standing => self.begin(signals, position),
-            Phase::Turning { next, .. } if standing => self.set_out(next, &[], signals, position),
+            Phase::Turning { next } if standing => self.set_out(next, &[], signals, position),
             Phase::Settling | Phase::Turning { .. } => self.unless_both_limits(signals),
             Phase::Searching { leg, rest, at_limit } => self.search(leg, rest, at_limit, signals, position),
-            Phase::Overrunning { .. } if standing => {
+            Phase::Overrunning if standing => {
                 self.phase = Phase::Finished;
                 Outcome::Finished
             }
-            Phase::Overrunning { .. } => Outcome::Stopping,
+            Phase::Overrunning => Outcome::Stopping,
             Phase::Finished => Outcome::Finished,
             Phase::Failed(error) => Outcome::Failed(error),
         }
@@ -175,7 +175,7 @@ impl Homing {
     fn begin(&mut self, signals: Signals, position: Position) -> Outcome {
         match self.method.signal {
             None => {
-                self.phase = Phase::Overrunning { stop: Stop::Quick };
+                self.phase = Phase::Overrunning;
                 Outcome::Attained { edge: position }
             }
             Some(signal) if signals.get(signal) => self.set_out(self.method.inside, &[], signals, position),
@@ -199,24 +199,29 @@ impl Homing {
             return self.fail(HomingError::BothLimitsActive);
         }
         if self.sees(leg.edge, signals) {
-            if rest.is_empty() {
-                self.phase = Phase::Overrunning { stop: leg.stop };
-                return Outcome::Attained { edge: position };
-            }
-            self.phase = Phase::Turning {
-                next: rest,
-                stop: leg.stop,
-            };
-        } else if signals.limit_towards(leg.direction) {
+            return self.pass(leg, rest, position);
+        }
+        if signals.limit_towards(leg.direction) {
             if at_limit.is_empty() {
                 return self.fail(HomingError::LimitInTheWay);
             }
-            self.phase = Phase::Turning {
-                next: at_limit,
-                stop: Stop::Quick,
-            };
+            self.phase = Phase::Turning { next: at_limit };
         }
         Outcome::Running
+    }
+
+    /// The edge of `leg` was seen.
+    fn pass(&mut self, leg: &Leg, rest: &'static [Leg], position: Position) -> Outcome {
+        let (phase, outcome) = match rest {
+            [] => (Phase::Overrunning, Outcome::Attained { edge: position }),
+            next if leg.rests => (Phase::Turning { next }, Outcome::Running),
+            [leg, rest @ ..] => {
+                let at_limit = &[];
+                (Phase::Searching { leg, rest, at_limit }, Outcome::Running)
+            }
+        };
+        self.phase = phase;
+        outcome
     }
 
     fn sees(&self, edge: Edge, signals: Signals) -> bool {
@@ -252,8 +257,7 @@ impl Homing {
                     deceleration: ordinary,
                 },
             },
-            Phase::Turning { stop: Stop::Quick, .. } | Phase::Overrunning { stop: Stop::Quick } => Command::Stop { deceleration: quick },
-            Phase::Finished | Phase::Failed(_) => Command::Stop { deceleration: quick },
+            Phase::Turning { .. } | Phase::Overrunning | Phase::Finished | Phase::Failed(_) => Command::Stop { deceleration: quick },
         }
     }
 }

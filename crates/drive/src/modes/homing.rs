@@ -5,7 +5,7 @@ use board::{Nanos, TICK};
 use super::Context;
 use crate::homing::{Homing, Outcome, Parameters};
 use crate::motion::Motion;
-use crate::profile::Acceleration;
+use crate::profile::{Acceleration, Command};
 use crate::statusword::{MODE_BIT_12, MODE_BIT_13, TARGET_REACHED, flag};
 
 /// The least time for which a started homing shows itself as running, even if it is over sooner, as method 35 is: masters wait for bits
@@ -30,6 +30,8 @@ pub struct HomingMode {
     report: Report,
     /// Ticks for which the run shows itself as running in any case.
     shown_ticks: u64,
+    /// Ticks for which the axis has stood.
+    rest_ticks: u16,
     homed: bool,
 }
 
@@ -40,6 +42,7 @@ impl HomingMode {
             run: None,
             report: Report::Idle,
             shown_ticks: 0,
+            rest_ticks: 0,
             homed: false,
         }
     }
@@ -70,16 +73,32 @@ impl HomingMode {
             self.start(context, cycle);
         }
         self.shown_ticks = self.shown_ticks.saturating_sub(1);
-        match &mut self.run {
+        let at_rest = self.is_at_rest(context, motion);
+        let command = match &mut self.run {
             Some(run) if context.locked => {
                 let signals = context.signals.switches;
-                let action = run.step(signals, motion.position(), motion.is_standing(), &parameters(context));
+                let action = run.step(signals, motion.position(), at_rest, &parameters(context));
                 self.note(action.outcome, context, motion);
-                motion.run(&action.command);
+                action.command
             }
-            _ => motion.stop(Acceleration::new(context.objects.homing_acceleration)),
-        }
+            _ => Command::Stop {
+                deceleration: Acceleration::new(context.objects.homing_acceleration),
+            },
+        };
+        motion.run(&before_limit(command, context, motion));
         self.bits(motion.is_standing())
+    }
+
+    /// Whether the axis has stood until the input filter (0x204B) has passed all that it met. Else an edge behind which the axis has come
+    /// to rest would be taken for one of the next leg, which leads the other way.
+    fn is_at_rest(&mut self, context: &Context, motion: &Motion) -> bool {
+        if !motion.is_standing() {
+            self.rest_ticks = 0;
+            return false;
+        }
+        let at_rest = self.rest_ticks >= context.objects.input_filter;
+        self.rest_ticks = self.rest_ticks.saturating_add(1);
+        at_rest
     }
 
     fn start(&mut self, context: &Context, cycle: Nanos) {
@@ -119,6 +138,17 @@ impl HomingMode {
             Report::Attained => MODE_BIT_12 | standing,
             Report::Failed => MODE_BIT_13 | standing,
         }
+    }
+}
+
+/// What becomes of a command: an axis that brakes into a limit switch does so with 0x6085, whatever it brakes for.
+fn before_limit(command: Command, context: &Context, motion: &Motion) -> Command {
+    let in_the_way = context.signals.block(motion.demand_velocity().sub_pulses_per_tick());
+    match command {
+        Command::Stop { .. } if in_the_way => Command::Stop {
+            deceleration: Acceleration::new(context.objects.quick_stop_deceleration.unsigned_abs()),
+        },
+        command => command,
     }
 }
 
