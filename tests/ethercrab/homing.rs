@@ -76,7 +76,7 @@ fn home_switch_methods_end_on_the_same_edge_from_both_sides_and_from_on_the_swit
     }
 }
 
-// manual: 2.4.6.1/17 2.4.6.1/18
+// manual: 2.2.25/variant
 #[test]
 fn methods_that_turn_at_a_limit_end_on_their_edge_in_both_variants() {
     for (method, edge, beyond) in [(24, HOME_LEFT, 9.5), (28, HOME_RIGHT, -9.5)] {
@@ -94,6 +94,7 @@ fn methods_that_turn_at_a_limit_end_on_their_edge_in_both_variants() {
     }
 }
 
+// manual: 2.4.6.1/17 2.4.6.1/18
 #[test]
 fn limit_switch_methods_end_on_their_limit_from_both_sides() {
     for (method, edge, beside, on) in [(17, NEGATIVE_LIMIT, -8.0, -10.5), (18, POSITIVE_LIMIT, 8.0, 10.5)] {

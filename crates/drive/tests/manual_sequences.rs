@@ -122,6 +122,20 @@ fn homing_has_the_speeds_of_0x6099_and_the_ramps_of_0x609a_and_0x6085() {
     assert!(is_about(down, 2_000), "0x609A: {down}");
 }
 
+// manual: 2.4.6.1/35 2.4.6.2/35
+#[test]
+fn method_35_takes_the_present_position_in_both_variants() {
+    for variant in [0, 1] {
+        let mut rig = homing();
+        rig.objects.homing_variant = variant;
+        rig.objects.homing_method = 35;
+        rig.objects.home_offset = 77;
+        rig.command(0x1F);
+        rig.until("done", |rig| rig.status(12));
+        assert_eq!((rig.objects.position, rig.shaft.round()), (77, 0.0), "variant {variant}");
+    }
+}
+
 // manual: 2.3.3/reserved
 #[test]
 fn no_state_shows_the_reserved_bits_of_the_statusword() {
