@@ -6,7 +6,7 @@
 //!
 //! - [`table`]: the list
 //! - [`names`]: the names in the sources
-//! - [`page`]: the page
+//! - [`mod@page`]: the page
 
 mod names;
 mod page;

@@ -1,5 +1,7 @@
 //! The list of statements, `docs/manual.toml`.
 
+use std::ops::Range;
+
 use toml::de::{DeTable, DeValue};
 
 /// What becomes of a statement.
@@ -44,9 +46,12 @@ impl Table {
     }
 }
 
-/// Reads the list; an error is a line and what is wrong there.
-pub fn parse(text: &str) -> Result<Table, (usize, String)> {
-    let at = |span: std::ops::Range<usize>| 1 + text.bytes().take(span.start).filter(|byte| *byte == b'\n').count();
+/// A line of the file and what is wrong there.
+type Fault = (usize, String);
+
+/// Reads the list.
+pub fn parse(text: &str) -> Result<Table, Fault> {
+    let at = |span: Range<usize>| 1 + text.bytes().take(span.start).filter(|byte| *byte == b'\n').count();
     let table = DeTable::parse(text).map_err(|error| (at(error.span().unwrap_or_default()), error.message().to_string()))?;
     let list = table.get_ref().get("section").ok_or((1, "no section".to_string()))?;
     let list = list
@@ -56,33 +61,37 @@ pub fn parse(text: &str) -> Result<Table, (usize, String)> {
     let mut sections: Vec<Section> = Vec::new();
     for section in list.iter() {
         let line = at(section.span());
-        let Some(keys) = section.get_ref().as_table() else {
-            return Err((line, "section is no table".into()));
-        };
-        let word = |key: &str| keys.get(key).and_then(|value| value.get_ref().as_str()).map(str::to_string);
-        let (Some(number), Some(title)) = (word("number"), word("title")) else {
-            return Err((line, "a section needs number and title".into()));
-        };
-        if sections.last().is_some_and(|last| rank(&last.number) >= rank(&number)) {
-            return Err((line, format!("section {number} is out of order")));
+        let keys = section.get_ref().as_table().ok_or((line, "section is no table".to_string()))?;
+        let section = read_section(keys, line, at)?;
+        if sections.last().is_some_and(|last| rank(&last.number) >= rank(&section.number)) {
+            return Err((line, format!("section {} is out of order", section.number)));
         }
-        let mut statements = Vec::new();
-        for (key, value) in keys
-            .iter()
-            .filter(|(key, _)| !["number", "title"].contains(&key.get_ref().as_ref()))
-        {
-            let rows = value.get_ref().as_array().ok_or((at(key.span()), "no list".to_string()))?;
-            for row in rows.iter() {
-                let line = at(row.span());
-                let statement = statement(&number, key.get_ref(), words(row.get_ref()), line);
-                statements.push(statement.ok_or((line, format!("no row of {}", key.get_ref())))?);
-            }
-        }
-        statements.sort_by_key(|statement| statement.line);
-        sections.push(Section { number, title, statements });
+        sections.push(section);
     }
     let table = Table { sections };
     twin(&table).map_or(Ok(table), Err)
+}
+
+/// Reads a section that begins in `line`; `at` tells the line of a place in the file.
+fn read_section(keys: &DeTable<'_>, line: usize, at: impl Fn(Range<usize>) -> usize) -> Result<Section, Fault> {
+    let word = |key: &str| keys.get(key).and_then(|value| value.get_ref().as_str()).map(str::to_string);
+    let (Some(number), Some(title)) = (word("number"), word("title")) else {
+        return Err((line, "a section needs number and title".into()));
+    };
+    let mut statements = Vec::new();
+    let lists = keys
+        .iter()
+        .filter(|(key, _)| !["number", "title"].contains(&key.get_ref().as_ref()));
+    for (key, value) in lists {
+        let rows = value.get_ref().as_array().ok_or((at(key.span()), "no list".to_string()))?;
+        for row in rows.iter() {
+            let line = at(row.span());
+            let statement = statement(&number, key.get_ref(), words(row.get_ref()), line);
+            statements.push(statement.ok_or((line, format!("no row of {}", key.get_ref())))?);
+        }
+    }
+    statements.sort_by_key(|statement| statement.line);
+    Ok(Section { number, title, statements })
 }
 
 /// The strings of a list; nothing if it has something else.
@@ -111,7 +120,7 @@ fn rank(number: &str) -> Vec<u32> {
 }
 
 /// A statement whose name another one has.
-fn twin(table: &Table) -> Option<(usize, String)> {
+fn twin(table: &Table) -> Option<Fault> {
     let ids: Vec<&Statement> = table.statements().collect();
     let twin = ids
         .iter()
