@@ -105,8 +105,8 @@ impl Drive {
     ///
     /// # Errors
     /// The abort code of the download: 0x06090030 for a mode, a homing method, an option or a function that the drive does not have;
-    /// 0x08000022 for the current loop's gains while the drive sets them itself, and for clearing the position while the motor moves or
-    /// is led by CSP.
+    /// 0x08000022 for the current loop's gains while the drive sets them itself, for another resolution or direction of rotation while
+    /// the motor moves, and for clearing the position while it moves or is led by CSP.
     pub fn check_write(&self, objects: &DriveObjects, slot: usize, data: &[u8]) -> Result<(), AbortCode> {
         match (slot, data) {
             (slots::current_loop_kp | slots::current_loop_ki | slots::current_loop_kc, _) if objects.auto_pi != 0 => {
@@ -118,6 +118,13 @@ impl Drive {
             (slots::homing_method, &[method]) if is_gap(method as i8) => Err(AbortCode::ValueRange),
             (slots::probe_function, &[low, high]) if !touch_probe::is_function(u16::from_le_bytes([low, high])) => {
                 Err(AbortCode::ValueRange)
+            }
+            // In motion, either would be a jump in the speed of the shaft.
+            (slots::resolution, &[low, high]) if self.is_moving() && u16::from_le_bytes([low, high]) != objects.resolution => {
+                Err(AbortCode::DeviceState)
+            }
+            (slots::run_reverse, &[low, high]) if self.is_moving() && u16::from_le_bytes([low, high]) != objects.run_reverse => {
+                Err(AbortCode::DeviceState)
             }
             (slots::zero_position, &[1, 0]) if !self.may_clear_position() => Err(AbortCode::DeviceState),
             _ => Ok(()),

@@ -5,7 +5,7 @@ dictionary::object_dictionary! {
     pub struct DriveObjects in slots {
         /// Peak of the sinusoidal phase current in operation (manual 2.2.1).
         0x2000:0 peak_current: u16 = 3000, RW | RX_PDO | TX_PDO | SAVED, in 100..=6000, unit "mA", "Peak Current";
-        /// Pulses for one revolution of the motor (manual 2.2.2).
+        /// Pulses for one revolution of the motor; cannot be changed while the motor moves (manual 2.2.2).
         0x2001:0 resolution: u16 = 10000, RW | RX_PDO | TX_PDO | SAVED, in 200..=65535, unit "Pulse/rev", "Motor Resolution";
         /// Time without motion after which the motor gets its standby current (manual 2.2.3).
         0x2002:0 idle_time: u16 = 500, RW | RX_PDO | TX_PDO | SAVED, in 200..=65535, unit "ms", "Idle Time";
@@ -63,7 +63,7 @@ dictionary::object_dictionary! {
         0x200C:5 inductance_set: u16 = 1, RW | RX_PDO | TX_PDO | SAVED, in 1..=10, unit "mH", "Inductance Set" of "Motor parameters";
         /// Back-EMF coefficient (manual 2.2.12).
         0x200C:6 bemf_coefficient: u16 = 256, RW | RX_PDO | TX_PDO | SAVED, in 0..=1000, "BEMF coefficient" of "Motor parameters";
-        /// 1 turns the motor the other way for the same command (manual 2.2.13).
+        /// 1 turns the motor the other way for the same command; cannot be changed while the motor moves (manual 2.2.13).
         0x200D:0 run_reverse: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=1, "Invert motor direction";
         /// Active alarms, one bit each (manual 2.2.14).
         0x200E:0 alarm_code: u16 = 0, RO | TX_PDO, "Alarm Code";

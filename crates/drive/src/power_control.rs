@@ -52,7 +52,7 @@ pub struct PowerControl {
     /// Whether an enable command may walk up from Switch On Disabled without a Shutdown before: until the first fault, quick stop
     /// or emergency stop, so that the drive never enables by itself.
     courtesy: bool,
-    /// Whether the quick stop under way is that of the emergency stop input, which no option code changes.
+    /// Whether the emergency stop input has been seen in the quick stop or fault reaction under way, whose ramp no option code weakens then.
     emergency: bool,
     /// Whether the motor has been driven without a break since Operation Enabled.
     driven: bool,
@@ -83,8 +83,10 @@ impl PowerControl {
         self.reset_bit = reset_bit;
         self.courtesy &= !situation.emergency_stop;
         if let Some(event) = self.event(situation, objects, reset) {
-            self.enter(self.state.after(event), event, situation);
+            self.enter(self.state.after(event), event);
         }
+        let stopping = matches!(self.state, PowerState::QuickStopActive | PowerState::FaultReactionActive);
+        self.emergency = stopping && (self.emergency || situation.emergency_stop);
         self.activity(situation, objects)
     }
 
@@ -96,7 +98,7 @@ impl PowerControl {
         match self.state {
             PowerState::NotReadyToSwitchOn => Some(Event::Initialised),
             PowerState::FaultReactionActive => self
-                .stop_is_over(fault_stop(objects), situation)
+                .stop_is_over(self.fault_stop(objects), situation)
                 .then_some(Event::FaultReactionCompleted),
             PowerState::Fault => (reset && !situation.fault_persists).then_some(Event::FaultReset),
             _ if !situation.operational => Some(Event::Command(Command::DisableVoltage)),
@@ -131,14 +133,13 @@ impl PowerControl {
         }
     }
 
-    fn enter(&mut self, next: PowerState, event: Event, situation: &Situation) {
+    fn enter(&mut self, next: PowerState, event: Event) {
         if next == self.state {
             return;
         }
         if matches!(event, Event::FaultDetected | Event::Command(Command::QuickStop)) {
             self.courtesy = false;
         }
-        self.emergency = next == PowerState::QuickStopActive && situation.emergency_stop;
         self.driven = match next {
             PowerState::OperationEnabled => true,
             PowerState::QuickStopActive | PowerState::FaultReactionActive => self.driven,
@@ -155,7 +156,7 @@ impl PowerControl {
                 None => return Activity::Operate,
             },
             PowerState::QuickStopActive => self.quick_stop(objects),
-            PowerState::FaultReactionActive => fault_stop(objects),
+            PowerState::FaultReactionActive => self.fault_stop(objects),
             _ => Stop::Coast,
         };
         self.driven &= stop != Stop::Coast;
@@ -168,6 +169,15 @@ impl PowerControl {
             _ if self.emergency => Stop::Quick,
             0 => Stop::Coast,
             1 | 5 => Stop::SlowDown,
+            _ => Stop::Quick,
+        }
+    }
+
+    /// The fault reaction under way.
+    fn fault_stop(&self, objects: &DriveObjects) -> Stop {
+        match objects.fault_reaction_option {
+            0 => Stop::Coast,
+            1 if !self.emergency => Stop::SlowDown,
             _ => Stop::Quick,
         }
     }
@@ -185,13 +195,4 @@ fn disable_stop(command: Command, objects: &DriveObjects) -> Option<Stop> {
         _ => return None,
     };
     Some(if option == 0 { Stop::Coast } else { Stop::SlowDown })
-}
-
-/// The fault reaction.
-fn fault_stop(objects: &DriveObjects) -> Stop {
-    match objects.fault_reaction_option {
-        0 => Stop::Coast,
-        1 => Stop::SlowDown,
-        _ => Stop::Quick,
-    }
 }

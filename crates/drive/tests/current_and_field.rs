@@ -59,6 +59,38 @@ fn standby_comes_after_the_idle_time_and_ends_with_the_first_motion() {
 
 // manual: 2.2.2/turn
 #[test]
+fn standby_is_any_share_of_the_operating_current_and_its_objects_count_at_once() {
+    for (percent, standby) in [(0, 0), (1, 30), (50, 1_500), (100, 3_000)] {
+        let mut rig = Rig::enabled(1);
+        rig.objects.idle_current = percent;
+        rig.objects.idle_time = 200;
+        rig.milliseconds(199);
+        assert_eq!(rig.amplitude(), Some(3_000));
+        rig.milliseconds(52);
+        assert_eq!(rig.amplitude(), Some(standby), "{percent} %");
+        rig.objects.idle_current = 80;
+        rig.tick();
+        assert_eq!(rig.amplitude(), Some(2_400));
+        rig.objects.idle_time = 400;
+        rig.tick();
+        assert_eq!(rig.amplitude(), Some(3_000), "the longer time is not over");
+    }
+}
+
+#[test]
+fn targets_of_csp_that_do_not_move_let_standby_come_and_a_stop_in_another_state_too() {
+    let mut rig = Rig::enabled(8);
+    (0..600).for_each(|_| rig.cycle(0, board::Nanos(1_000_000)));
+    assert_eq!(rig.amplitude(), Some(1_500));
+    rig.cycle(1, board::Nanos(1_000_000));
+    assert_eq!(rig.amplitude(), Some(3_000));
+    rig.objects.quick_stop_option = 6;
+    rig.command(0x02);
+    rig.milliseconds(560);
+    assert_eq!((rig.state(), rig.amplitude()), (drive::PowerState::QuickStopActive, Some(1_500)));
+}
+
+#[test]
 fn a_turn_is_fifty_periods_at_any_resolution() {
     for resolution in [200u16, 333, 10_000, 51_200, 65_535] {
         let mut rig = Rig::new();

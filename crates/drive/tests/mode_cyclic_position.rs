@@ -2,7 +2,7 @@
 
 mod rig;
 
-use board::Nanos;
+use board::{Nanos, TICK};
 use rig::{IN_NEGATIVE_LIMIT, IN_POSITIVE_LIMIT, Rig};
 
 const MILLISECOND: Nanos = Nanos(1_000_000);
@@ -192,4 +192,114 @@ fn the_shorter_way_is_taken_where_the_counter_wraps() {
     rig.cycle(i32::MIN + 4, MILLISECOND);
     assert_eq!(rig.objects.position, i32::MIN + 4);
     assert_eq!(rig.pulses_per_second(), 5_000);
+}
+
+/// Targets at 10 pulses a cycle until the switch has stopped the axis; the position, and the cycles so far.
+fn stopped_at(switch: u8, sign: i32) -> (Rig, i32) {
+    let mut rig = Rig::enabled(8);
+    (1..=100).for_each(|n| rig.cycle(sign * n * 10, MILLISECOND));
+    rig.inputs = switch;
+    (101..=200).for_each(|n| rig.cycle(sign * n * 10, MILLISECOND));
+    assert!(!rig.drive.is_moving());
+    (rig, 200)
+}
+
+#[test]
+fn a_limit_switch_that_is_released_does_not_make_the_axis_jump_to_the_masters_target() {
+    for (switch, sign) in [(IN_POSITIVE_LIMIT, 1), (IN_NEGATIVE_LIMIT, -1)] {
+        let (mut rig, cycles) = stopped_at(switch, sign);
+        let stop = rig.objects.position;
+        rig.inputs = 0;
+        for n in (stop * sign / 10 + 1..cycles).rev() {
+            rig.cycle(sign * n * 10, MILLISECOND);
+            assert_eq!((rig.objects.position, rig.status(12)), (stop, false), "{n}");
+        }
+        // The master has come back to where the axis stands: from here on it is followed, also beyond.
+        rig.cycle(stop - sign, MILLISECOND);
+        assert_eq!((rig.objects.position, rig.status(12)), (stop - sign, true));
+        rig.cycle(stop + sign * 9, MILLISECOND);
+        assert_eq!((rig.objects.position, rig.status(12)), (stop + sign * 9, true));
+    }
+}
+
+/// Follows a sine whose synchronisations come at multiples of `cycle`, in or between ticks; checks the position at each of them, without a
+/// nominal cycle from the third one on.
+fn follow(cycle: u64, is_nominal: bool) {
+    let mut rig = Rig::enabled(8);
+    let mut cycles = 0;
+    let target = |n: u64| sine(n as i32, 1e9 / cycle as f64);
+    for tick in 0..40_000 {
+        let latest = tick * TICK.0 / cycle;
+        if latest * cycle + TICK.0 > tick * TICK.0 && latest == cycles {
+            if cycles > if is_nominal { 0 } else { 2 } {
+                assert_eq!(rig.objects.position, target(cycles), "cycle {cycles} of {cycle} ns");
+            }
+            cycles += 1;
+            rig.objects.target_position = target(cycles);
+            rig.drive.synchronize(&rig.objects, is_nominal.then_some(Nanos(cycle)));
+        }
+        rig.tick();
+        assert!(rig.status(10) && rig.status(12));
+    }
+    assert!(cycles >= 2_000_000_000 / cycle);
+}
+
+#[test]
+fn any_cycle_from_500_us_up_is_followed_exactly_whole_ticks_or_not() {
+    for microseconds in [500, 525, 625, 750, 999, 1_000, 1_001, 1_333, 2_000, 2_500, 4_000, 10_000, 100_000] {
+        follow(microseconds * 1_000, true);
+    }
+    follow(976_562, true);
+}
+
+#[test]
+fn a_cycle_of_whole_ticks_is_followed_exactly_without_being_told() {
+    for microseconds in [500, 750, 1_000, 2_000, 4_000, 10_000] {
+        follow(microseconds * 1_000, false);
+    }
+}
+
+#[test]
+fn a_jump_of_the_target_is_travelled_within_its_cycle() {
+    let mut rig = Rig::enabled(8);
+    rig.cycle(10, MILLISECOND);
+    for target in [1_000_000, -2_000_000, 0] {
+        rig.cycle(target, MILLISECOND);
+        assert_eq!((rig.objects.position, rig.status(12)), (target, true));
+        rig.cycle(target, MILLISECOND);
+        assert_eq!((rig.objects.position, rig.pulses_per_second()), (target, 0));
+    }
+}
+
+#[test]
+fn a_late_target_is_waited_for_and_a_missing_one_is_made_up_for_by_the_next() {
+    let mut rig = Rig::enabled(8);
+    rig.cycle(100, MILLISECOND);
+    rig.ticks(3);
+    assert_eq!((rig.objects.position, rig.pulses_per_second()), (100, 0), "late by three ticks");
+    assert!(rig.status(12), "a late target is no loss of the command");
+    rig.cycle(200, MILLISECOND);
+    assert_eq!(rig.objects.position, 200);
+    // Synchronisation with outputs that did not come: the old target is there again.
+    rig.cycle(200, MILLISECOND);
+    assert_eq!((rig.objects.position, rig.pulses_per_second()), (200, 0));
+    rig.cycle(400, MILLISECOND);
+    assert_eq!((rig.objects.position, rig.pulses_per_second()), (400, 200_000));
+}
+
+#[test]
+fn targets_sent_before_enabling_or_in_another_mode_are_not_followed() {
+    let mut rig = Rig::enabled(1);
+    rig.cycle(5_000, MILLISECOND);
+    rig.objects.mode = 8;
+    rig.drive.synchronize(&rig.objects, Some(MILLISECOND));
+    rig.ticks(40);
+    assert_eq!((rig.objects.position, rig.status(12)), (0, true));
+    rig.command(0x07);
+    rig.cycle(6_000, MILLISECOND);
+    rig.command(0x0F);
+    rig.ticks(40);
+    assert_eq!((rig.objects.position, rig.status(12)), (0, true));
+    rig.cycle(7, MILLISECOND);
+    assert_eq!(rig.objects.position, 7);
 }

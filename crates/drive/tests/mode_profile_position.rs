@@ -306,3 +306,176 @@ proptest! {
         prop_assert!((rig.shaft - f64::from(last)).abs() < 0.01, "{} {}", rig.shaft, last);
     }
 }
+
+#[test]
+fn each_set_point_has_its_own_speed_and_ramps_and_new_ones_in_the_objects_wait_for_the_next() {
+    let mut rig = Rig::enabled(1);
+    rig.objects.profile_acceleration = 400_000;
+    rig.objects.profile_deceleration = 50_000;
+    send(&mut rig, 10_000, 0);
+    rig.objects.profile_velocity = 1;
+    rig.objects.profile_acceleration = 1;
+    rig.objects.profile_deceleration = 1;
+    // One tick has gone since the edge; 10 000 pulses/s are reached after 500 and take 4 000 to lose.
+    rig.ticks(498);
+    assert_eq!(rig.pulses_per_second(), 10_000);
+    let cruise = rig.until("braking", |rig| rig.pulses_per_second() < 10_000);
+    let braking = rig.until("there", |rig| rig.status(10));
+    assert_eq!(rig.objects.position, 10_000);
+    // 125 pulses of acceleration, 1 000 of deceleration.
+    assert!(
+        (17_748..=17_752).contains(&cruise) && (3_997..=4_001).contains(&braking),
+        "{cruise} {braking}"
+    );
+}
+
+#[test]
+fn an_immediate_set_point_takes_speed_and_ramps_along_without_a_jump() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 100_000, 0);
+    rig.milliseconds(200);
+    // Faster, then slower, then backwards, each with ramps of its own.
+    for (target, speed, acceleration, deceleration) in [
+        (120_000, 40_000, 300_000, 100_000),
+        (120_000, 5_000, 100_000, 700_000),
+        (0, 25_000, 200_000, 60_000),
+    ] {
+        rig.objects.profile_velocity = speed;
+        rig.objects.profile_acceleration = acceleration;
+        rig.objects.profile_deceleration = deceleration;
+        rig.objects.target_position = target;
+        rig.objects.controlword = NEW | IMMEDIATE;
+        for _ in 0..4_400 {
+            let before = rig.drive.velocity().sub_pulses_per_tick();
+            rig.tick();
+            let after = rig.drive.velocity().sub_pulses_per_tick();
+            let change = (after - before) * if before == 0 { after.signum() } else { before.signum() };
+            assert!(
+                (-i64::from(deceleration)..=acceleration.into()).contains(&change),
+                "{before} to {after}"
+            );
+            rig.objects.controlword = 0x0F;
+        }
+        let direction = if target == 0 { -1 } else { 1 };
+        assert!((rig.pulses_per_second() - direction * speed).abs() <= 1);
+    }
+    assert_eq!(arrive(&mut rig), 0);
+}
+
+#[test]
+fn an_immediate_target_too_near_to_stop_at_is_overrun_by_the_braking_distance_and_no_more() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 100_000, 0);
+    rig.milliseconds(200);
+    let here = rig.objects.position;
+    send(&mut rig, here + 100, IMMEDIATE);
+    let mut farthest = here;
+    while !rig.status(10) {
+        rig.tick();
+        farthest = farthest.max(rig.objects.position);
+    }
+    // 10 000^2 / 200 000 = 500 pulses from the tick that sees the edge.
+    assert!((499..=501).contains(&(farthest - here)), "{}", farthest - here);
+    assert_eq!(rig.objects.position, here + 100);
+}
+
+#[test]
+fn set_points_chained_on_the_fly_are_passed_at_the_speed_of_the_one_before_and_none_stands() {
+    let mut rig = Rig::enabled(1);
+    let speeds = [10_000, 5_000, 20_000, 8_000];
+    rig.objects.profile_velocity = speeds[0];
+    assert!(send(&mut rig, 10_000, 0));
+    for (n, speed) in (2..).zip(&speeds[1..]) {
+        rig.objects.profile_velocity = *speed;
+        assert!(send(&mut rig, n * 10_000, ON_SET_POINT));
+        let set_point = (n - 1) * 10_000;
+        rig.until("before the set-point", |rig| rig.objects.position >= set_point - 20);
+        while rig.drive.position().sub_pulses() < i64::from(set_point) * 400_000_000 {
+            assert_eq!(rig.pulses_per_second(), speeds[n as usize - 2], "at {set_point}");
+            assert!(!rig.status(10));
+            rig.tick();
+        }
+        rig.tick();
+        assert!(!rig.status(12), "there is room again");
+    }
+    assert_eq!(arrive(&mut rig), 40_000);
+}
+
+#[test]
+fn a_chained_set_point_in_the_other_direction_is_stopped_at_and_one_too_near_slows_the_first_down() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 5_000, 0);
+    send(&mut rig, 1_000, ON_SET_POINT);
+    rig.until("at the first one", |rig| {
+        rig.objects.position == 5_000 && rig.pulses_per_second() == 0
+    });
+    assert_eq!(arrive(&mut rig), 1_000);
+
+    send(&mut rig, 10_000, 0);
+    send(&mut rig, 10_100, ON_SET_POINT);
+    rig.until("at the first one", |rig| rig.objects.position >= 10_000);
+    // From here 100 pulses are left: sqrt(2 * 100 000 * 100) pulses/s.
+    assert!((4_465..=4_490).contains(&rig.pulses_per_second()), "{}", rig.pulses_per_second());
+    assert_eq!(arrive(&mut rig), 10_100);
+}
+
+#[test]
+fn halt_keeps_both_set_points_and_takes_new_ones() {
+    let mut rig = Rig::enabled(1);
+    send(&mut rig, 20_000, 0);
+    send(&mut rig, 5_000, 0);
+    rig.milliseconds(300);
+    rig.command(0x0F | HALT);
+    rig.until("halted", |rig| rig.status(10));
+    assert!(rig.status(12), "the buffer is full");
+    let halted = rig.objects.position;
+    assert!((1..20_000).contains(&halted));
+    rig.command(0x0F);
+    assert!(!rig.status(10));
+    rig.until("at the first one", |rig| rig.objects.position == 20_000);
+    rig.command(0x0F | HALT);
+    rig.until("halted", |rig| rig.status(10));
+    assert!(send(&mut rig, -3_000, HALT | IMMEDIATE));
+    rig.milliseconds(20);
+    rig.command(0x0F);
+    assert_eq!(arrive(&mut rig), -3_000);
+}
+
+#[test]
+fn a_set_point_that_is_where_the_motor_stands_is_acknowledged_and_reached_in_the_same_tick() {
+    let mut rig = Rig::enabled(1);
+    rig.command(NEW);
+    assert_eq!((rig.status(10), rig.status(12)), (true, true));
+}
+
+#[test]
+fn an_absolute_move_never_crosses_the_end_of_the_counter_and_a_relative_one_may() {
+    let mut rig = Rig::enabled(1);
+    rig.objects.profile_velocity = i32::MAX;
+    rig.objects.profile_acceleration = i32::MAX;
+    rig.objects.profile_deceleration = i32::MAX;
+    send(&mut rig, i32::MIN, 0);
+    assert_eq!(arrive(&mut rig), i32::MIN);
+    // The whole range the long way, in some two seconds.
+    send(&mut rig, i32::MAX, 0);
+    let mut ticks = 0;
+    while !rig.status(10) {
+        let before = rig.objects.position;
+        rig.tick();
+        assert!(rig.objects.position >= before, "upwards all the way");
+        ticks += 1;
+    }
+    assert!((40_000..80_000).contains(&ticks), "{ticks}");
+    assert_eq!(rig.objects.position, i32::MAX);
+    send(&mut rig, 1, RELATIVE);
+    rig.ticks(220);
+    assert_eq!((rig.objects.position, rig.status(10)), (i32::MIN, true));
+    send(&mut rig, -1, RELATIVE);
+    rig.ticks(220);
+    assert_eq!((rig.objects.position, rig.status(10)), (i32::MAX, true));
+    for distance in [i32::MIN, i32::MIN, i32::MAX, i32::MAX, 2] {
+        let expected = rig.objects.position.wrapping_add(distance);
+        send(&mut rig, distance, RELATIVE);
+        assert_eq!(arrive(&mut rig), expected);
+    }
+}

@@ -133,3 +133,74 @@ fn running_on_for_longer_than_the_counter_wraps_it() {
     }
     assert_eq!(wraps, 7);
 }
+
+#[test]
+fn a_limit_switch_that_is_released_does_not_start_the_motor_again() {
+    for (switch, sign) in [(IN_POSITIVE_LIMIT, 1), (IN_NEGATIVE_LIMIT, -1)] {
+        for (what, word, target) in [("a halt", HALT, 10_000), ("zero", RUN, 0), ("the way back", RUN, -1)] {
+            let mut rig = Rig::enabled(3);
+            rig.objects.target_velocity = sign * 10_000;
+            rig.until("at speed", |rig| rig.status(10));
+            // A cam that is shorter than the stop.
+            rig.inputs = switch;
+            rig.ticks(20);
+            rig.inputs = 0;
+            let ticks = rig.until("standing", |rig| rig.status(12));
+            assert!((378..600).contains(&ticks), "{ticks}");
+            assert_eq!(speed(&mut rig, 100), 0);
+            assert!(!rig.status(10) && !rig.status(11));
+
+            rig.objects.target_velocity = sign * target;
+            rig.command(word);
+            rig.tick();
+            rig.objects.target_velocity = sign * 10_000;
+            rig.command(RUN);
+            assert_eq!(speed(&mut rig, 200), sign * 10_000, "after {what}");
+        }
+    }
+}
+
+#[test]
+fn on_a_limit_switch_from_the_start_only_the_way_back_runs() {
+    let mut rig = Rig::enabled(3);
+    rig.inputs = IN_POSITIVE_LIMIT;
+    rig.objects.target_velocity = 10_000;
+    assert_eq!(speed(&mut rig, 50), 0);
+    rig.inputs = 0;
+    assert_eq!(speed(&mut rig, 50), 0, "the command is an old one");
+    rig.inputs = IN_POSITIVE_LIMIT;
+    rig.objects.target_velocity = -10_000;
+    assert_eq!(speed(&mut rig, 110), -10_000);
+    rig.objects.target_velocity = 10_000;
+    assert_eq!(speed(&mut rig, 300), 0);
+    assert!(!rig.status(10) && rig.status(11) && rig.status(12));
+}
+
+#[test]
+fn each_leg_of_a_reversal_takes_the_time_of_its_own_ramp_in_both_directions() {
+    for sign in [1, -1] {
+        let mut rig = Rig::enabled(3);
+        rig.objects.profile_acceleration = 50_000;
+        rig.objects.profile_deceleration = 200_000;
+        rig.objects.target_velocity = sign * 20_000;
+        assert!((7_999..=8_001).contains(&rig.until("forward", |rig| rig.status(10))));
+        rig.objects.target_velocity = -sign * 20_000;
+        let down = rig.until("turning", |rig| rig.pulses_per_second() * sign <= 0);
+        let up = rig.until("backward", |rig| rig.status(10));
+        assert!((1_999..=2_001).contains(&down) && (7_999..=8_001).contains(&up), "{down} {up}");
+    }
+}
+
+#[test]
+fn new_ramps_and_speeds_count_from_the_tick_that_sees_them() {
+    let mut rig = Rig::enabled(3);
+    rig.objects.target_velocity = 30_000;
+    assert_eq!(speed(&mut rig, 100), 10_000);
+    rig.objects.profile_acceleration = 200_000;
+    assert_eq!(speed(&mut rig, 50), 20_000);
+    rig.objects.target_velocity = 15_000;
+    rig.objects.profile_deceleration = 50_000;
+    assert_eq!(speed(&mut rig, 50), 17_500);
+    assert_eq!(speed(&mut rig, 51), 15_000);
+    assert!(rig.status(10));
+}

@@ -29,6 +29,9 @@ pub struct CyclicPosition {
     held: bool,
     /// Whether the stop under way is that of a limit switch, which may lie behind already.
     stopping_at_limit: bool,
+    /// The direction in which a limit switch has stopped the axis, 1 or -1, until a target leads the other way; else 0. So the axis does
+    /// not jump to where the master has gone on to when the switch is released.
+    barred: i64,
 }
 
 impl CyclicPosition {
@@ -41,6 +44,7 @@ impl CyclicPosition {
             ticks_since_synchronisation: 0,
             held: false,
             stopping_at_limit: false,
+            barred: 0,
         }
     }
 
@@ -72,13 +76,17 @@ impl CyclicPosition {
         self.latched = None;
         self.held = false;
         self.stopping_at_limit = false;
+        self.barred = 0;
     }
 
     /// Moves on by a tick.
     pub fn tick(&mut self, context: &Context, motion: &mut Motion) -> u16 {
         let latched = self.latched.take();
-        let into_limit = context.signals.block(motion.demand_velocity().sub_pulses_per_tick());
-        self.stopping_at_limit |= into_limit;
+        let velocity = motion.demand_velocity().sub_pulses_per_tick();
+        if context.signals.block(velocity) {
+            self.stopping_at_limit = true;
+            self.barred = velocity.signum();
+        }
         if self.stopping_at_limit || context.controlword.halt() {
             self.interpolator = None;
         }
@@ -86,9 +94,15 @@ impl CyclicPosition {
             Some(interpolator) => {
                 if let Some(target) = latched {
                     let distance = Position::from_pulses(target).sub_pulses_from(interpolator.position());
-                    self.held = context.signals.block(distance);
+                    if context.signals.block(distance) {
+                        self.barred = distance.signum();
+                    }
+                    self.held = distance != 0 && distance.signum() == self.barred;
                     if !self.held {
                         interpolator.synchronise(target, self.cycle);
+                        if distance != 0 {
+                            self.barred = 0;
+                        }
                     }
                 }
                 motion.follow(interpolator);

@@ -22,6 +22,7 @@ use crate::profile::Acceleration;
 use cyclic_position::CyclicPosition;
 use homing::HomingMode;
 use profile_position::ProfilePosition;
+use profile_velocity::ProfileVelocity;
 
 /// A mode of operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +81,7 @@ pub struct Context<'a> {
 pub struct Modes {
     active: Option<Mode>,
     profile_position: ProfilePosition,
+    profile_velocity: ProfileVelocity,
     homing: HomingMode,
     cyclic_position: CyclicPosition,
 }
@@ -90,6 +92,7 @@ impl Modes {
         Self {
             active: None,
             profile_position: ProfilePosition::new(),
+            profile_velocity: ProfileVelocity::new(),
             homing: HomingMode::new(),
             cyclic_position: CyclicPosition::new(),
         }
@@ -128,6 +131,7 @@ impl Modes {
     /// The mode no longer moves the motor: set-points are dropped, homing is interrupted.
     pub const fn interrupt(&mut self) {
         self.profile_position.drop_set_points();
+        self.profile_velocity.leave();
         self.homing.interrupt();
         self.cyclic_position.leave();
     }
@@ -144,7 +148,7 @@ impl Modes {
     pub fn operate(&mut self, context: &Context, motion: &mut Motion) -> u16 {
         match self.active {
             Some(Mode::ProfilePosition) => self.profile_position.tick(context, motion),
-            Some(Mode::ProfileVelocity) => profile_velocity::tick(context, motion),
+            Some(Mode::ProfileVelocity) => self.profile_velocity.tick(context, motion),
             Some(Mode::Homing) => self.homing.tick(context, motion, self.cyclic_position.cycle()),
             Some(Mode::CyclicPosition) => self.cyclic_position.tick(context, motion),
             None => {
