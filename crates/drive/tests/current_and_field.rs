@@ -57,7 +57,6 @@ fn standby_comes_after_the_idle_time_and_ends_with_the_first_motion() {
     assert_eq!(rig.amplitude(), Some(4_000));
 }
 
-// manual: 2.2.2/turn
 #[test]
 fn standby_is_any_share_of_the_operating_current_and_its_objects_count_at_once() {
     for (percent, standby) in [(0, 0), (1, 30), (50, 1_500), (100, 3_000)] {
@@ -90,6 +89,7 @@ fn targets_of_csp_that_do_not_move_let_standby_come_and_a_stop_in_another_state_
     assert_eq!((rig.state(), rig.amplitude()), (drive::PowerState::QuickStopActive, Some(1_500)));
 }
 
+// manual: 2.2.2/turn
 #[test]
 fn a_turn_is_fifty_periods_at_any_resolution() {
     for resolution in [200u16, 333, 10_000, 51_200, 65_535] {
