@@ -189,6 +189,7 @@ fn op_without_sync0_is_given_up_before_the_masters_time_is_over() {
     );
 }
 
+// manual: 1.1.1/cycle
 #[test]
 fn a_cycle_below_the_minimum_refuses_safeop() {
     for (period, code) in [(499_000, AlStatusCode::InvalidSync0CycleTime), (500_000, AlStatusCode::None)] {

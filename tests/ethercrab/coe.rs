@@ -104,6 +104,7 @@ async fn enable(main: &MainDevice<'_>, pace: &Pace, group: Group<PreOp>) {
     axis.enable().await.unwrap();
 }
 
+// manual: 2.3.1/7500
 #[test]
 fn a_fault_and_its_end_are_told_by_emergencies_and_disturb_no_sdo() {
     let rig = Rig::new(1);

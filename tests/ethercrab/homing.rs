@@ -60,6 +60,7 @@ fn assert_at(found: Option<f64>, edge: f64, speed: f64, what: &str) {
     );
 }
 
+// manual: 1.1.1/modes 2.4.6.1/19 2.4.6.1/20 2.4.6.1/21
 #[test]
 fn home_switch_methods_end_on_the_same_edge_from_both_sides_and_from_on_the_switch() {
     for (method, edge) in [(19, HOME_LEFT), (20, HOME_LEFT), (21, HOME_RIGHT)] {
@@ -75,6 +76,7 @@ fn home_switch_methods_end_on_the_same_edge_from_both_sides_and_from_on_the_swit
     }
 }
 
+// manual: 2.2.25/variant
 #[test]
 fn methods_that_turn_at_a_limit_end_on_their_edge_in_both_variants() {
     for (method, edge, beyond) in [(24, HOME_LEFT, 9.5), (28, HOME_RIGHT, -9.5)] {
@@ -92,6 +94,7 @@ fn methods_that_turn_at_a_limit_end_on_their_edge_in_both_variants() {
     }
 }
 
+// manual: 2.4.6.1/17 2.4.6.1/18
 #[test]
 fn limit_switch_methods_end_on_their_limit_from_both_sides() {
     for (method, edge, beside, on) in [(17, NEGATIVE_LIMIT, -8.0, -10.5), (18, POSITIVE_LIMIT, 8.0, 10.5)] {
@@ -105,11 +108,13 @@ fn limit_switch_methods_end_on_their_limit_from_both_sides() {
     }
 }
 
+// manual: 2.3.9/offset
 #[test]
 fn the_home_offset_is_what_the_edge_reads() {
     assert_at(home_from(-3.0, 19, 5_000), HOME_LEFT, 2_000.0, "with offset");
 }
 
+// manual: 2.4.6.1/35
 #[test]
 fn method_35_makes_the_present_position_home() {
     let start = 3.0;

@@ -17,6 +17,7 @@ fn shown(rig: &Rig) -> String {
     rig.look(0, |drive| drive.indicators().to_string())
 }
 
+// manual: 1.4.1/run 1.4.1/err-general
 #[test]
 fn run_and_err_follow_the_state_and_the_refusals() {
     let rig = Rig::new(1);
@@ -55,6 +56,7 @@ fn a_master_makes_the_leds_of_a_drive_flicker_until_the_state_changes() {
     });
 }
 
+// manual: 1.4.1/err-watchdog
 #[test]
 fn silence_in_op_shows_as_watchdog_error_and_not_as_alarm() {
     let rig = Rig::new(1);
@@ -86,6 +88,7 @@ fn the_lamps_flash_in_the_drives_own_time() {
     assert_eq!(alarm, (Alarm::Disabled, Light::Green));
 }
 
+// manual: 1.1.1/ports 1.4/order 1.4.1/link 1.4.1/activity
 #[test]
 fn each_port_shows_its_own_link_and_the_traffic() {
     let rig = Rig::new(2);

@@ -5,6 +5,7 @@ mod clocks;
 mod coe;
 mod differences;
 mod eeprom;
+mod faults;
 mod homing;
 mod information;
 mod leds;

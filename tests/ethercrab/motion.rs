@@ -21,6 +21,7 @@ async fn enabled_in(axis: &mut Axis<'_>, wanted: i8) {
         .unwrap();
 }
 
+// manual: 1.1.1/modes 2.3.6/position 2.3.8/pp 2.4.2/mode
 #[test]
 fn absolute_and_relative_moves_end_on_the_pulse() {
     let rig = Rig::new(1);
@@ -86,6 +87,7 @@ fn halt_stops_the_move_and_its_end_lets_it_go_on() {
     });
 }
 
+// manual: 1.1.1/modes 2.3.7/speed 2.4.3/direction
 #[test]
 fn profile_velocity_runs_reverses_and_halts() {
     Rig::new(1).in_preop(async |main, pace, group| {
@@ -163,6 +165,7 @@ macro_rules! without_filter {
     };
 }
 
+// manual: 1.1.1/modes 2.3.8/csp 2.4.4/targets
 #[test]
 fn cyclic_position_passes_through_every_target_on_sync0() {
     let track = Rig::new(1).in_op_with_clocks(without_filter!(), follow_sine);

@@ -42,6 +42,7 @@ fn bytes(value: i64, entry: &Entry) -> Vec<u8> {
     value.to_le_bytes()[..entry.size()].to_vec()
 }
 
+// manual: 1.1.1/coe
 #[test]
 fn every_object_is_read_with_its_length() {
     in_preop(async |drive| {
@@ -58,6 +59,7 @@ fn every_object_is_read_with_its_length() {
     });
 }
 
+// manual: 2.1.1/value 2.1.2/value 2.1.3/value 2.1.4/value 2.3.26/value
 #[test]
 fn the_identity_and_names_are_those_of_the_device() {
     in_preop(async |drive| {
@@ -185,6 +187,7 @@ fn values_beyond_the_range_are_refused_and_those_at_its_ends_are_taken() {
     assert!(bounded > 40, "only {bounded} ends of ranges were tried");
 }
 
+// manual: 2.1.1/value 2.1.2/value 2.1.3/value 2.1.4/value 2.2.18/reserved 2.3.26/value
 #[test]
 fn read_only_objects_refuse_downloads() {
     in_preop(async |drive| {
@@ -216,6 +219,7 @@ fn objects_the_real_unit_does_not_have_do_not_exist() {
     });
 }
 
+// manual: 1.1.1/modes 2.3.4/modes 2.4.1/modes
 #[test]
 fn modes_the_drive_does_not_have_are_refused() {
     in_preop(async |drive| {
@@ -233,6 +237,7 @@ fn modes_the_drive_does_not_have_are_refused() {
     });
 }
 
+// manual: 2.2.11/gains
 #[test]
 fn gains_can_be_written_only_while_the_drive_does_not_compute_them() {
     in_preop(async |drive| {

@@ -52,6 +52,7 @@ fn acts(entry: &Entry) -> bool {
     matches!(entry.index, 0x2010 | 0x6040 | 0x6060 | 0x60B8)
 }
 
+// manual: 2.1.5/save
 #[test]
 fn saved_are_the_objects_that_the_manual_marks_and_no_others() {
     let rig = Rig::new(1);
@@ -103,6 +104,7 @@ fn what_was_not_saved_is_gone_after_a_power_cycle() {
     assert_eq!((read(&rig, "2000"), read(&rig, "2003")), (2000, 50));
 }
 
+// manual: 2.1.6/restore
 #[test]
 fn restored_defaults_come_with_the_next_power_on() {
     let rig = Rig::new(1);
@@ -116,6 +118,22 @@ fn restored_defaults_come_with_the_next_power_on() {
     assert_eq!(read(&rig, "2000"), 3000);
 }
 
+// manual: 2.1.5/object 2.1.6/object
+#[test]
+fn the_objects_that_save_and_restore_have_one_entry_that_reads_0_and_is_not_for_pdos() {
+    Rig::new(1).in_preop(async |main, _, group| {
+        let drive = group.subdevice(main, 0).unwrap();
+        for index in [0x1010_u16, 0x1011] {
+            assert_eq!(drive.sdo_read::<u8>(index, 0).await, Ok(1));
+            assert_eq!(drive.sdo_read::<u16>(index, 1).await, Ok(0));
+            drive.sdo_write(0x1A00, 0, 0_u8).await.unwrap();
+            let mapped = drive.sdo_write(0x1A00, 1, u32::from(index) << 16 | 0x0110).await;
+            assert_eq!(refusal(mapped), Some(AbortCode::NotMappable));
+        }
+    });
+}
+
+// manual: 2.1.5/standstill 2.1.6/standstill
 #[test]
 fn saving_and_restoring_act_on_1_only_and_at_standstill_only() {
     Rig::new(1).in_preop(async |main, pace, group| {
@@ -169,6 +187,7 @@ fn with_alias(alias: u16) -> Rig {
     Rig::with([config])
 }
 
+// manual: 1.5/master
 #[test]
 fn with_2151_at_0_the_alias_is_that_of_the_eeprom_and_2150_shows_it() {
     let rig = with_alias(77);
@@ -188,6 +207,7 @@ fn with_2151_at_0_the_alias_is_that_of_the_eeprom_and_2150_shows_it() {
     assert_eq!((read(&rig, "2150"), alias_on_the_bus(&rig, 5)), (1234, (1234, false)));
 }
 
+// manual: 1.5/object
 #[test]
 fn with_2151_at_1_the_alias_is_2150_from_the_next_power_on() {
     let rig = with_alias(77);

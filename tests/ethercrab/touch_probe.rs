@@ -109,6 +109,7 @@ impl Exchanged {
     }
 }
 
+// manual: 2.3.17/edges 2.3.19/position 2.3.20/position
 #[test]
 fn by_pdo_both_edges_are_latched_to_the_pulse_from_both_sides() {
     with_flag().in_preop(async |main, pace, group| {

@@ -1,6 +1,6 @@
 //! `cargo xtask`: the checks that this project runs on itself.
 //!
-//! - [`tidy`]: layering, banned words, module sizes, text hygiene: the design's rules as tests.
+//! - [`tidy`]: layering, banned words, module sizes, text hygiene: the design's rules as tests; the manual's statements and their tests.
 //! - [`no_std`]: builds the firmware core for a Cortex-M, which has no standard library.
 //! - [`fuzz`]: runs the fuzz targets for some time.
 //! - [`ci`]: everything a change must pass, one step after the other.
@@ -18,7 +18,8 @@ const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
 Commands:
-  tidy                    check layering, style and text hygiene
+  tidy                    check layering, style, text hygiene and the tests of the manual's statements
+  manual                  write the book's page of the manual's statements and their tests
   no-std                  build the firmware core for thumbv7em-none-eabihf
   fuzz [--seconds N]      run every fuzz target over its corpus and then on, a minute each unless told
   ci [--without STEP]...  run fmt, clippy, doc, tidy, test and no-std, all but the named steps";
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["tidy"] => exit(tidy::check(&root())),
+        ["manual"] => exit(tidy::renew_manual(&root())),
         ["no-std"] => exit(no_std::build(&root())),
         ["fuzz", rest @ ..] => match fuzz::seconds(rest) {
             Ok(seconds) => exit(fuzz::run(&root(), seconds)),

@@ -3,11 +3,13 @@
 //! - [`source`]: a Rust file as tokens with line numbers, and which of its lines are tests.
 //! - [`arrows`]: which crate may depend on which, and the README's table of dependencies.
 //! - [`layers`]: what a crate below `virtual-drive` must declare and must not call; where `unsafe` may stand.
+//! - [`manual`]: every statement of the drive's manual has a test that names it.
 //! - [`style`]: names, sizes and words that are not wanted anywhere.
 //! - [`text`]: white space and line ends.
 
 mod arrows;
 mod layers;
+mod manual;
 mod source;
 mod style;
 mod text;
@@ -56,7 +58,8 @@ struct File {
 /// Runs every check over the workspace and prints what it finds.
 pub fn check(root: &Path) -> Result<(), String> {
     let files = read(root)?;
-    let findings = findings(&files);
+    let mut findings = findings(&files);
+    findings.extend(manual::check(&files));
     for finding in &findings {
         eprintln!("{finding}");
     }
@@ -66,6 +69,12 @@ pub fn check(root: &Path) -> Result<(), String> {
     } else {
         Err(format!("tidy: {} to mend in {} files", findings.len(), files.len()))
     }
+}
+
+/// Writes the book's page of the manual's statements anew.
+pub fn renew_manual(root: &Path) -> Result<(), String> {
+    let page = manual::page(&read(root)?).map_err(|finding| finding.to_string())?;
+    fs::write(root.join(manual::PAGE), page).map_err(|error| format!("{}: {error}", manual::PAGE))
 }
 
 fn findings(files: &[File]) -> Vec<Finding> {

@@ -4,6 +4,7 @@ use board::{Actuators, Milliamps, Nanos, PowerStage, Sensors};
 use dictionary::AbortCode;
 
 use crate::alarm::{Alarm, AlarmLed, Light};
+use crate::brake::Brake;
 use crate::controlword::{Controlword, StartEdge};
 use crate::faults::{Fault, Faults};
 use crate::homing::Method;
@@ -32,6 +33,7 @@ pub struct Drive {
     motion: Motion,
     current: Current,
     field: Field,
+    brake: Brake,
     probes: TouchProbes,
     alarm_led: AlarmLed,
 }
@@ -50,6 +52,7 @@ impl Drive {
             motion: Motion::new(),
             current: Current::default(),
             field: Field::new(),
+            brake: Brake::default(),
             probes: TouchProbes::default(),
             alarm_led: AlarmLed::new(),
         }
@@ -57,7 +60,6 @@ impl Drive {
 
     /// One control tick, every [`board::TICK`]: reads the measurements and the writable objects, sets the others, commands the board.
     pub fn tick(&mut self, sensors: &Sensors, objects: &mut DriveObjects) -> Actuators {
-        let cleared_before = self.signals.fault_clear;
         self.signals = self.inputs.tick(sensors.inputs, objects);
         self.modes.count_tick();
         self.modes.select(objects.mode);
@@ -65,8 +67,7 @@ impl Drive {
         let controlword = Controlword(objects.controlword);
         self.start_edge.observe(controlword);
 
-        let fault_clear = self.signals.fault_clear && !cleared_before;
-        let activity = self.control_power(sensors, controlword, fault_clear, objects);
+        let activity = self.control_power(sensors, controlword, objects);
         let mode_bits = self.act(activity, controlword, objects);
         self.clear_position(objects);
         self.probes.tick(sensors, &self.signals, &self.motion, objects);
@@ -74,7 +75,7 @@ impl Drive {
         let stage = self.drive_stage(activity, objects);
         let indications = Indications {
             alarm: self.power.state().is_faulty(),
-            brake_open: self.current.is_locked(),
+            brake_open: self.brake.is_open(),
             in_place: self.is_in_place(mode_bits),
         };
         let outputs = outputs::levels(indications, objects);
@@ -175,7 +176,7 @@ impl Drive {
         &self.signals
     }
 
-    fn control_power(&mut self, sensors: &Sensors, controlword: Controlword, fault_clear: bool, objects: &DriveObjects) -> Activity {
+    fn control_power(&mut self, sensors: &Sensors, controlword: Controlword, objects: &DriveObjects) -> Activity {
         let before = self.power.state();
         let fault_detected = self.faults.observe(sensors.bus_voltage, self.operational, before.is_enabled());
         let situation = Situation {
@@ -183,9 +184,9 @@ impl Drive {
             operational: self.operational,
             fault_detected,
             fault_persists: self.faults.persists(),
-            fault_clear,
+            fault_clear: self.signals.fault_clear,
             emergency_stop: self.signals.emergency_stop,
-            standing: self.motion.is_standing(),
+            standing: self.motion.is_standing() && (self.brake.holds() || !outputs::has_brake(objects)),
         };
         let activity = self.power.tick(&situation, objects);
         if before == PowerState::Fault && self.power.state() != PowerState::Fault {
@@ -239,15 +240,19 @@ impl Drive {
 
     fn drive_stage(&mut self, activity: Activity, objects: &DriveObjects) -> PowerStage {
         self.field.turn(self.motion.travel(), objects.resolution, objects.run_reverse != 0);
-        if activity == Activity::Off {
-            self.current.off();
-            return PowerStage::Off;
-        }
         let moving = self.is_moving();
-        PowerStage::Field {
-            angle: self.field.angle(),
-            amplitude: self.current.tick(moving, objects),
-        }
+        let stage = if activity == Activity::Off {
+            self.current.off();
+            PowerStage::Off
+        } else {
+            PowerStage::Field {
+                angle: self.field.angle(),
+                amplitude: self.current.tick(moving, objects),
+            }
+        };
+        let leaving = matches!(activity, Activity::Stop(_)) && !moving && self.power.stop_switches_off(objects);
+        self.brake.tick(self.current.is_locked(), leaving);
+        stage
     }
 
     fn is_in_place(&self, mode_bits: u16) -> bool {

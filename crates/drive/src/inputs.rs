@@ -39,7 +39,8 @@ impl Function {
 /// Number of touch probes.
 pub const PROBES: usize = 2;
 
-/// The signals of all inputs, after filter, polarity and function. Several inputs of one function are combined by or.
+/// The signals of all inputs, after filter, polarity and function. Several inputs of one function are combined by or; of those that clear
+/// faults, each counts for itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Signals {
     /// Inputs whose signal is valid, bit 0 IN1.
@@ -48,7 +49,7 @@ pub struct Signals {
     pub switches: homing::Signals,
     /// Which of them some input has as its function.
     pub assigned: homing::Signals,
-    /// Function 4, fault clearance.
+    /// Function 4, fault clearance: an input that has it has become valid in this tick.
     pub fault_clear: bool,
     /// Function 5, emergency stop.
     pub emergency_stop: bool,
@@ -105,7 +106,7 @@ impl Inputs {
             ..Signals::default()
         };
         for (number, function) in functions(objects).into_iter().enumerate() {
-            signals.take(function, number, valid >> number & 1 == 1);
+            signals.take(function, number);
         }
         signals
     }
@@ -135,7 +136,9 @@ impl Inputs {
 }
 
 impl Signals {
-    fn take(&mut self, function: Function, number: usize, valid: bool) {
+    /// Lets the input `number`, counted from 0, act as its function.
+    fn take(&mut self, function: Function, number: usize) {
+        let valid = self.valid >> number & 1 == 1;
         match function {
             Function::General => {}
             Function::CwLimit => {
@@ -150,7 +153,7 @@ impl Signals {
                 self.assigned.home = true;
                 self.switches.home |= valid;
             }
-            Function::FaultClear => self.fault_clear |= valid,
+            Function::FaultClear => self.fault_clear |= valid && self.changed >> number & 1 == 1,
             Function::EmergencyStop => self.emergency_stop |= valid,
             Function::MotorOffline => self.offline |= valid,
             Function::Probe(probe) => self.probes[probe] |= 1 << number,
@@ -174,6 +177,7 @@ fn functions(objects: &DriveObjects) -> [Function; INPUT_COUNT] {
 mod tests {
     use super::*;
 
+    // manual: 2.2.24/time
     #[test]
     fn a_level_counts_once_it_was_steady_for_the_filter_time() {
         let mut objects = DriveObjects::new();
@@ -199,6 +203,7 @@ mod tests {
         assert_eq!(inputs.tick(InputLevels(0b100), &objects).valid, 0b100);
     }
 
+    // manual: 2.2.8/polarity
     #[test]
     fn normally_open_is_valid_with_current_and_normally_closed_without() {
         let mut objects = DriveObjects::new();
@@ -206,6 +211,7 @@ mod tests {
         assert_eq!(Inputs::default().tick(InputLevels(0b00_0111), &objects).valid, 0b11_1100);
     }
 
+    // manual: 2.3.23/switches
     #[test]
     fn cw_is_the_positive_limit_and_bit_1_of_the_digital_inputs() {
         let objects = DriveObjects::new();

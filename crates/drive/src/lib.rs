@@ -16,6 +16,7 @@
 //! | `motion` | the commanded axis: profile, filter and position counter |
 //! | `touch_probe` | positions latched by edges of inputs |
 //! | `power_stage` | current and direction of the field |
+//! | `brake` | when the holding brake opens and shuts |
 //! | `outputs` | digital outputs: function and polarity |
 //! | [`statusword`] | 0x6041 |
 //! | [`alarm`] | the alarm LED |
@@ -25,6 +26,7 @@
 #![forbid(unsafe_code)]
 
 pub mod alarm;
+mod brake;
 pub mod controlword;
 mod drive;
 pub mod faults;

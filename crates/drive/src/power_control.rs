@@ -41,7 +41,7 @@ pub struct Situation {
     pub fault_clear: bool,
     /// An emergency stop input is valid.
     pub emergency_stop: bool,
-    /// The motor stands.
+    /// The motor stands, and if there is a brake, it holds the shaft.
     pub standing: bool,
 }
 
@@ -113,6 +113,11 @@ impl PowerControl {
                 (_, command) => Some(Event::Command(command)),
             },
         }
+    }
+
+    /// Whether a stop in the present state ends with the motor switched off, as all do but quick stops of options 5 and 6.
+    pub const fn stop_switches_off(&self, objects: &DriveObjects) -> bool {
+        !matches!(self.state, PowerState::QuickStopActive) || self.emergency || objects.quick_stop_option < 5
     }
 
     fn event_in_quick_stop(&self, situation: &Situation, objects: &DriveObjects) -> Option<Event> {

@@ -19,6 +19,7 @@ fn move_to(rig: &mut Rig, target: i32) {
     rig.until("there", |rig| rig.status(10));
 }
 
+// manual: 2.2.1/peak 2.2.10/ramp 2.2.10/time
 #[test]
 fn the_current_rises_in_twice_the_shaft_lock_time() {
     let mut rig = Rig::new();
@@ -35,6 +36,7 @@ fn the_current_rises_in_twice_the_shaft_lock_time() {
     assert_eq!(rig.amplitude(), Some(3_000));
 }
 
+// manual: 2.2.1/peak 2.2.3/time 2.2.4/current
 #[test]
 fn standby_comes_after_the_idle_time_and_ends_with_the_first_motion() {
     let mut rig = Rig::enabled(1);
@@ -87,6 +89,7 @@ fn targets_of_csp_that_do_not_move_let_standby_come_and_a_stop_in_another_state_
     assert_eq!((rig.state(), rig.amplitude()), (drive::PowerState::QuickStopActive, Some(1_500)));
 }
 
+// manual: 2.2.2/turn
 #[test]
 fn a_turn_is_fifty_periods_at_any_resolution() {
     for resolution in [200u16, 333, 10_000, 51_200, 65_535] {
@@ -107,6 +110,7 @@ fn a_turn_is_fifty_periods_at_any_resolution() {
     }
 }
 
+// manual: 2.2.13/reverse
 #[test]
 fn run_reverse_turns_the_field_the_other_way_and_changing_it_does_not_turn_it() {
     let mut rig = Rig::enabled(1);
@@ -121,6 +125,7 @@ fn run_reverse_turns_the_field_the_other_way_and_changing_it_does_not_turn_it() 
     assert!((quarter - (1 << 30)).abs() < 64, "{quarter}");
 }
 
+// manual: 2.4.4/feedback
 #[test]
 fn torque_is_the_measured_current_over_the_operating_current() {
     let mut rig = Rig::new();

@@ -11,6 +11,7 @@ fn sine(cycle: i32, cycles_a_period: f64) -> i32 {
     (20_000.0 * (1.0 - (f64::from(cycle) / cycles_a_period * std::f64::consts::TAU).cos())) as i32
 }
 
+// manual: 2.3.8/csp 2.4.4/targets
 #[test]
 fn a_sine_is_followed_exactly_at_every_cycle() {
     for (cycle, ticks) in [
@@ -95,6 +96,7 @@ fn bits_10_and_12_are_0_unless_operation_is_enabled() {
     assert_eq!(rig.objects.statusword, 0x1637);
 }
 
+// manual: 2.2.9/lag
 #[test]
 fn the_motion_filter_lags_by_its_time() {
     let mut rig = Rig::new();

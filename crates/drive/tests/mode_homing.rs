@@ -49,6 +49,7 @@ fn home(rig: &mut Rig, method: i8) -> (bool, bool, bool) {
     rig.homing_bits()
 }
 
+// manual: 2.2.15/homed 2.3.9/offset 2.4.6/parameters 2.4.6/status 2.4.6.1/17 2.4.6.1/18 2.4.6.1/19 2.4.6.1/20 2.4.6.1/21
 #[test]
 fn every_method_from_every_side_ends_with_its_edge_at_the_home_offset() {
     let (near, far) = (HOME.start, HOME.end);
@@ -82,6 +83,7 @@ fn every_method_from_every_side_ends_with_its_edge_at_the_home_offset() {
     }
 }
 
+// manual: 2.3.13/homing
 #[test]
 fn what_is_travelled_after_the_edge_stays_visible() {
     let mut rig = axis(0, false);
@@ -101,6 +103,7 @@ fn homing_can_be_repeated_on_the_switch_and_finds_the_same_place() {
     }
 }
 
+// manual: 2.4.6.1/35
 #[test]
 fn method_35_takes_the_present_position_and_still_shows_a_run() {
     let mut rig = axis(5_000, true);
@@ -154,6 +157,7 @@ fn homing_starts_straight_after_enabling() {
     rig.until("done", |rig| rig.homing_bits() == DONE);
 }
 
+// manual: 2.3.2/homing-start
 #[test]
 fn bit_4_may_fall_and_a_second_edge_while_running_changes_nothing() {
     let mut rig = axis(0, false);
@@ -167,6 +171,7 @@ fn bit_4_may_fall_and_a_second_edge_while_running_changes_nothing() {
     rig.until("done", |rig| rig.homing_bits() == DONE);
 }
 
+// manual: 2.3.2/homing-start 2.3.2/homing-pause 2.3.16/ramps 2.4.6/stop 2.4.6/status
 #[test]
 fn halt_interrupts_and_a_new_edge_starts_again() {
     let mut rig = axis(0, false);
@@ -204,6 +209,7 @@ fn a_change_of_mode_interrupts_and_brakes() {
     assert_eq!(rig.objects.status_code & 0x10, 0);
 }
 
+// manual: 2.4.6/parameters 2.4.6/status
 #[test]
 fn what_cannot_be_homed_is_a_homing_error_and_no_fault() {
     let start = |method: i8, prepare: fn(&mut Rig)| {

@@ -26,6 +26,7 @@ fn arrive(rig: &mut Rig) -> i32 {
     rig.objects.position
 }
 
+// manual: 2.3.2/pp-start 2.3.3/target 2.4.2/acknowledge 2.4.2/edge
 #[test]
 fn the_handshake_of_one_set_point() {
     let mut rig = Rig::enabled(1);
@@ -41,6 +42,7 @@ fn the_handshake_of_one_set_point() {
     assert_eq!(rig.shaft.round(), 5_000.0);
 }
 
+// manual: 2.3.2/pp-start 2.4.2/edge
 #[test]
 fn set_points_are_latched_by_the_edge_and_not_by_the_level() {
     let mut rig = Rig::enabled(1);
@@ -54,6 +56,7 @@ fn set_points_are_latched_by_the_edge_and_not_by_the_level() {
     assert_eq!(rig.objects.position, 1_000);
 }
 
+// manual: 2.4.2/start
 #[test]
 fn enabling_with_0x1f_starts_the_motion() {
     let mut rig = Rig::new();
@@ -81,6 +84,7 @@ fn a_motion_waits_for_the_shaft_lock() {
     assert_eq!(arrive(&mut rig), 700);
 }
 
+// manual: 2.3.2/pp-relative 2.3.8/pp 2.4.2/absolute 2.4.2/relative
 #[test]
 fn absolute_and_relative_targets() {
     let mut rig = Rig::enabled(1);
@@ -105,6 +109,7 @@ fn a_relative_target_counts_from_the_last_commanded_one_even_in_flight() {
     }
 }
 
+// manual: 2.4.2/parameters 2.4.2/acknowledge
 #[test]
 fn the_buffer_takes_one_more_set_point_and_bit_12_stays_while_it_is_full() {
     let mut rig = Rig::enabled(1);
@@ -122,6 +127,7 @@ fn the_buffer_takes_one_more_set_point_and_bit_12_stays_while_it_is_full() {
     assert_eq!(arrive(&mut rig), 2_000);
 }
 
+// manual: 2.4.2/immediate
 #[test]
 fn an_immediate_set_point_replaces_active_and_buffered_ones() {
     let mut rig = Rig::enabled(1);
@@ -137,6 +143,7 @@ fn an_immediate_set_point_replaces_active_and_buffered_ones() {
     assert_eq!(arrive(&mut rig), -3_000);
 }
 
+// manual: 2.4.2/one-by-one 2.4.2/chained
 #[test]
 fn change_on_set_point_passes_the_first_target_at_its_speed_and_a_plain_one_stops_there() {
     for (flags, slowest) in [(ON_SET_POINT, 9_990..=10_000), (0, 0..=0)] {
@@ -156,6 +163,7 @@ fn change_on_set_point_passes_the_first_target_at_its_speed_and_a_plain_one_stop
     }
 }
 
+// manual: 2.3.2/pp-pause 2.3.12/deceleration
 #[test]
 fn halt_stops_with_the_profile_deceleration_and_its_end_continues() {
     let mut rig = Rig::enabled(1);
@@ -181,6 +189,7 @@ fn a_set_point_given_in_halt_waits() {
     assert_eq!(arrive(&mut rig), 300);
 }
 
+// manual: 2.2.7/cw-limit 2.2.7/ccw-limit 2.3.13/limit
 #[test]
 fn a_limit_switch_stops_with_0x6085_and_leaves_only_the_way_back() {
     for (switch, sign) in [(IN_POSITIVE_LIMIT, 1), (IN_NEGATIVE_LIMIT, -1)] {
@@ -257,6 +266,7 @@ fn the_buffer_is_dropped_by_disabling_and_by_a_change_of_mode() {
     assert_eq!((rig.objects.position, rig.status(10)), (stop, true));
 }
 
+// manual: 2.2.9/lag
 #[test]
 fn the_motion_filter_delays_the_end_and_does_not_shift_it() {
     let mut rig = Rig::new();

@@ -12,6 +12,7 @@ fn speed(rig: &mut Rig, milliseconds: usize) -> i32 {
     rig.pulses_per_second()
 }
 
+// manual: 2.3.2/pv-pause 2.3.3/target 2.4.3/parameters 2.4.3/start 2.4.3/A 2.4.3/B 2.4.3/C 2.4.3/D 2.4.3/E 2.4.3/F 2.4.3/G
 #[test]
 fn halt_and_target_act_as_in_the_manuals_table() {
     let (v1, v2) = (10_000, 25_000);
@@ -52,6 +53,7 @@ fn halt_and_target_act_as_in_the_manuals_table() {
     assert!(rig.status(10), "with halt, bit 10 tells standstill");
 }
 
+// manual: 2.3.11/acceleration 2.3.12/deceleration 2.3.25/speed 2.4.3/direction 2.4.3/reversal
 #[test]
 fn a_reversal_decelerates_to_zero_and_accelerates_from_there() {
     let mut rig = Rig::enabled(3);
@@ -65,6 +67,7 @@ fn a_reversal_decelerates_to_zero_and_accelerates_from_there() {
     assert!((498..502).contains(&down) && (1_998..2_002).contains(&up), "{down} {up}");
 }
 
+// manual: 2.2.19/speed 2.2.20/speed 2.3.7/speed 2.3.25/speed
 #[test]
 fn speed_is_shown_in_revolutions_a_minute() {
     let mut rig = Rig::enabled(3);
@@ -96,6 +99,7 @@ fn a_filtered_velocity_is_reached_when_the_filter_has_it() {
     assert!((1_400 + 126..1_400 + 132).contains(&ticks), "{ticks}");
 }
 
+// manual: 2.3.13/limit
 #[test]
 fn a_limit_switch_stops_with_0x6085_and_lets_the_other_direction_run() {
     for (switch, sign) in [(IN_POSITIVE_LIMIT, 1), (IN_NEGATIVE_LIMIT, -1)] {
@@ -114,6 +118,7 @@ fn a_limit_switch_stops_with_0x6085_and_lets_the_other_direction_run() {
     }
 }
 
+// manual: 2.2.16/counter
 #[test]
 fn running_on_for_longer_than_the_counter_wraps_it() {
     let mut rig = Rig::enabled(3);

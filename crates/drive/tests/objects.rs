@@ -176,6 +176,13 @@ fn the_table_has_the_rows_of_the_manual_and_of_the_family_and_no_others() {
     assert_eq!(present, wanted);
 }
 
+// manual: 2.2.1/object 2.2.2/object 2.2.3/object 2.2.4/object 2.2.5/object 2.2.6/object 2.2.7/object 2.2.8/object 2.2.9/object
+// manual: 2.2.10/object 2.2.11/object 2.2.12/object 2.2.13/object 2.2.14/object 2.2.15/object 2.2.16/object 2.2.19/object
+// manual: 2.2.20/object 2.2.21/object 2.2.22/object 2.2.23/object 2.2.24/object 2.2.25/object 2.2.26/object 2.2.27/object
+// manual: 2.2.28/object 2.3.1/object 2.3.2/object 2.3.3/object 2.3.4/object 2.3.5/object 2.3.6/object 2.3.7/object 2.3.8/object
+// manual: 2.3.9/object 2.3.10/object 2.3.11/object 2.3.12/object 2.3.13/object 2.3.14/object 2.3.15/object 2.3.16/object
+// manual: 2.3.17/object 2.3.18/object 2.3.19/object 2.3.20/object 2.3.21/object 2.3.22/object 2.3.23/object 2.3.24/object
+// manual: 2.3.25/object 2.2.17/open-loop 2.3.26/value
 #[test]
 fn types_ranges_defaults_and_rights_are_those_of_the_manual() {
     for row in rows() {
@@ -190,6 +197,7 @@ fn types_ranges_defaults_and_rights_are_those_of_the_manual() {
     }
 }
 
+// manual: 1.1.2/current 1.5/default
 #[test]
 fn a_new_drive_reads_the_defaults() {
     let objects = DriveObjects::new();
@@ -231,6 +239,8 @@ fn values_outside_of_the_range_or_of_wrong_length_are_refused_and_change_nothing
     }
 }
 
+// manual: 2.3.3/object 2.3.17/object 2.3.18/object 2.3.19/object 2.3.20/object 2.3.21/object 2.3.22/object 2.3.23/object
+// manual: 2.4.4/feedback
 #[test]
 fn what_the_drive_alone_knows_is_mapped_into_inputs_only() {
     let unmappable = [0x204B, 0x204C];

@@ -35,6 +35,7 @@ fn is_ramp(ticks: usize, deceleration: usize) -> bool {
     (ramp - 2..ramp + 220).contains(&ticks)
 }
 
+// manual: 2.4.2/power-on 2.4.2/start
 #[test]
 fn enabling_from_ready_walks_through_switched_on_one_transition_a_tick() {
     for word in [0x0F, 0x1F, 0x10F] {
@@ -97,6 +98,7 @@ fn nothing_is_enabled_outside_of_op() {
     assert!(!rig.status(9));
 }
 
+// manual: 1.1.2/supply 2.2.21/voltage 2.3.3/voltage 2.3.3/remote 2.4.2/power-on
 #[test]
 fn statusword_bits_4_and_9_follow_supply_and_network() {
     let mut rig = Rig::new();
@@ -250,6 +252,7 @@ fn a_communication_fault_can_be_reset_once_the_network_is_back() {
     rig.enable();
 }
 
+// manual: 2.2.14/overvoltage 2.2.14/cleared
 #[test]
 fn overvoltage_is_a_fault_that_stays_until_the_voltage_is_gone_and_a_reset_seen() {
     let mut rig = running();

@@ -62,6 +62,7 @@ fn decoded(statusword: u16) -> PowerState {
     state
 }
 
+// manual: 2.3.2/commands
 #[test]
 fn every_controlword_in_every_state_leads_where_the_standard_says() {
     for state in PowerState::ALL {
@@ -143,6 +144,7 @@ fn check_all_controlwords(rig: &Rig, expected: impl Fn(u16) -> PowerState) {
     }
 }
 
+// manual: 2.3.2/commands 2.3.3/states
 #[test]
 fn the_drive_makes_the_same_transitions_and_its_statusword_tells_them() {
     for state in [SwitchOnDisabled, ReadyToSwitchOn, SwitchedOn, OperationEnabled] {
@@ -171,6 +173,7 @@ fn a_quick_stop_that_stays_is_left_by_enable_operation_and_disable_voltage_only(
     }
 }
 
+// manual: 2.3.2/reset
 #[test]
 fn a_fault_is_left_by_a_rising_edge_of_bit_7_only() {
     let mut rig = drive_in(Fault);

@@ -15,6 +15,7 @@ fn travel(filter: &mut SlidingAverage, sub_pulses: i64) -> i64 {
 }
 
 proptest! {
+    // manual: 2.2.9/lag
     #[test]
     fn a_filtered_move_ends_on_the_target_one_window_later_without_overshoot(
         ticks in 0u16..=512,
@@ -65,6 +66,7 @@ proptest! {
     }
 }
 
+// manual: 2.2.9/smooth
 #[test]
 fn a_step_in_speed_becomes_a_ramp_as_long_as_the_window() {
     let mut filter = filter(100);

@@ -58,6 +58,8 @@ const STEPS: [(&str, Change, u16, Option<usize>); 11] = [
     ("disabled, rising", Signal(true), 0b000, None),
 ];
 
+// manual: 2.3.17/probe-1 2.3.17/probe-2 2.3.17/edges 2.3.18/probe-1 2.3.18/probe-2 2.3.19/position 2.3.20/position
+// manual: 2.3.21/position 2.3.22/position 2.4.5/1-2 2.4.5/3-4a 2.4.5/5-6a 2.4.5/7-8a 2.4.5/9-10 2.4.5/11-12a 2.4.5/13-14a
 #[test]
 fn the_fourteen_steps_of_the_manual_with_each_probe_in_both_directions() {
     for (probe, speed) in [(0, 10_000), (1, 10_000), (0, -10_000), (1, -10_000)] {
@@ -83,6 +85,7 @@ fn the_fourteen_steps_of_the_manual_with_each_probe_in_both_directions() {
     }
 }
 
+// manual: 2.2.7/probe-1 2.2.7/probe-2 2.4.5/settings
 #[test]
 fn both_probes_latch_each_its_own_input() {
     let mut rig = running(10_000, 7);
@@ -122,6 +125,7 @@ fn a_level_that_is_there_already_is_no_edge() {
     }
 }
 
+// manual: 2.4.5/settings
 #[test]
 fn polarity_decides_what_rises_and_writing_it_is_no_edge() {
     let mut rig = running(10_000, 7);
@@ -172,6 +176,7 @@ fn inputs_of_one_probe_rise_with_the_first_and_fall_with_the_last() {
     assert_eq!(latched(&rig, 0).1, [1, 1]);
 }
 
+// manual: 2.3.17/reserved
 #[test]
 fn bit_1_of_the_first_step_is_reserved_and_changes_nothing() {
     let mut rig = running(10_000, 7);
@@ -186,6 +191,7 @@ fn bit_1_of_the_first_step_is_reserved_and_changes_nothing() {
     }
 }
 
+// manual: 2.3.17/reserved
 #[test]
 fn functions_that_the_probes_do_not_have_are_refused_by_sdo_and_ignored_by_pdo() {
     let mut rig = running(10_000, 7);

@@ -148,6 +148,7 @@ mod tests {
         (0xF, "on", &[1000, 0]),
     ];
 
+    // manual: 1.4.1/fast 1.4.1/slow 1.4.1/single 1.4.1/double
     #[test]
     fn every_millisecond_of_two_periods_is_as_the_standard_says() {
         for (code, name, spans) in PATTERNS {

@@ -38,7 +38,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// A drive in OP, one tick after power-up, without motion filter and input filter.
+    /// A drive in OP, one tick after power-up, without motion filter and input filter, and without brake.
     pub fn new() -> Self {
         let mut rig = Self::at_power_up();
         rig.objects.filter_time = 0;
@@ -49,11 +49,13 @@ impl Rig {
         rig
     }
 
-    /// A drive with default objects before its first tick.
+    /// A drive before its first tick, with default objects but for the brake on OUT2, which would delay most changes of state.
     pub fn at_power_up() -> Self {
+        let mut objects = DriveObjects::new();
+        objects.output_2_function = 0;
         Self {
             drive: Drive::new(),
-            objects: DriveObjects::new(),
+            objects,
             inputs: 0,
             level_ages: [Nanos(0); INPUT_COUNT],
             bus: Millivolts(24_000),

@@ -10,6 +10,7 @@ fn leds(bench: &Bench) -> (u8, u8) {
     (bench.chip.byte(reg::RUN_LED), bench.chip.byte(reg::ERR_LED))
 }
 
+// manual: 1.4.1/run 1.4.1/err-off
 #[test]
 fn the_run_led_shows_the_state() {
     let mut bench = Bench::op();
@@ -20,6 +21,7 @@ fn the_run_led_shows_the_state() {
     }
 }
 
+// manual: 1.4.1/err-off 1.4.1/err-general 1.4.1/err-sync 1.4.1/err-watchdog
 #[test]
 fn the_err_led_shows_why_until_the_error_is_acknowledged() {
     let mut refused = Bench::preop();

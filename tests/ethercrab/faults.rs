@@ -1,0 +1,100 @@
+//! Faults as a master sees them: objects, emergencies and the alarm LED, and both ways to clear them.
+
+use std::time::Duration;
+
+use board::{InputLevels, Millivolts};
+use drive::{Alarm, PowerState};
+use rig::Rig;
+use usr2556e::drive::{DriveConfig, VirtualDrive};
+use usr2556e::flash;
+use usr2556e::master::sdo;
+
+use crate::raw_mailbox::fetch;
+
+const SETTLING: Duration = Duration::from_millis(5);
+
+struct Case {
+    code: u16,
+    error_register: u8,
+    alarm_code: u16,
+    alarm: Alarm,
+    provoke: fn(&Rig),
+    /// Takes the cause away.
+    cure: fn(&Rig),
+}
+
+const CASES: [Case; 2] = [
+    Case {
+        code: 0x3110,
+        error_register: 0x05,
+        alarm_code: 0x0004,
+        alarm: Alarm::Fault { red: 2 },
+        provoke: |rig| rig.touch(0, |drive| drive.plant_mut().set_supply(Millivolts(61_000))),
+        cure: |rig| rig.touch(0, |drive| drive.plant_mut().set_supply(Millivolts(36_000))),
+    },
+    Case {
+        code: 0x5530,
+        error_register: 0x01,
+        alarm_code: 0,
+        alarm: Alarm::Fault { red: 6 },
+        provoke: |rig| {
+            rig.touch(0, |drive| *drive.memory_mut() = damaged());
+            rig.touch(0, VirtualDrive::power_cycle);
+        },
+        cure: |_| (),
+    },
+];
+
+/// A memory whose parameters are lost.
+fn damaged() -> flash::Flash {
+    flash::Flash::with([0x55; flash::SIZE])
+}
+
+/// The bytes of an emergency.
+fn emergency(code: u16, error_register: u8, alarm_code: u16) -> Vec<u8> {
+    let ([low, high], [first, second]) = (code.to_le_bytes(), alarm_code.to_le_bytes());
+    vec![low, high, error_register, first, second, 0, 0, 0]
+}
+
+// manual: 1.6/overvoltage 1.6/parameters 2.2.14/overvoltage 2.2.14/cleared 2.3.1/3110 2.3.1/5530 2.3.1/cleared
+#[test]
+fn faults_are_told_by_objects_emergency_and_led_and_cleared_by_controlword_or_input() {
+    for case in &CASES {
+        for by_input in [false, true] {
+            let rig = Rig::with([DriveConfig::numbered(0)]);
+            rig.idle(SETTLING);
+            (case.provoke)(&rig);
+            rig.idle(SETTLING);
+            assert_eq!(rig.look(0, |drive| drive.indicators().alarm), case.alarm);
+            (case.cure)(&rig);
+            rig.in_preop(async |main, pace, group| {
+                let drive = group.subdevice(main, 0).unwrap();
+                let read = async |address: &str| sdo::read(&drive, address.parse().unwrap()).await.unwrap();
+                let write = async |address: &str, value: u16| {
+                    let bytes = value.to_le_bytes();
+                    sdo::write(&drive, address.parse().unwrap(), &bytes).await.unwrap();
+                };
+                let told = emergency(case.code, case.error_register, case.alarm_code);
+                assert_eq!(fetch(&drive).await, Some((1, told)));
+                assert_eq!(read("603F").await, case.code.to_le_bytes());
+                assert_eq!(read("1001").await, [case.error_register]);
+                assert_eq!(read("200E").await, case.alarm_code.to_le_bytes());
+                assert_eq!(read("6041").await[0] & 0x4F, 0x08, "Fault");
+                if by_input {
+                    write("2007:1", 4).await;
+                    rig.touch(0, |drive| drive.plant_mut().hold_inputs(InputLevels(1)));
+                } else {
+                    write("6040", 0x0080).await;
+                }
+                pace.until(pace.now().after(SETTLING)).await;
+                assert_eq!(fetch(&drive).await, Some((1, emergency(0, 0, 0))), "cleared");
+                assert_eq!(
+                    (read("603F").await, read("1001").await, read("200E").await),
+                    (vec![0; 2], vec![0], vec![0; 2])
+                );
+            });
+            assert_eq!(rig.look(0, |drive| drive.status().power_state), PowerState::SwitchOnDisabled);
+            assert_eq!(rig.look(0, |drive| drive.indicators().alarm), Alarm::Disabled);
+        }
+    }
+}
