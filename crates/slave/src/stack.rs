@@ -129,7 +129,8 @@ impl Slave {
     ///
     /// To be called every control tick and right after each frame.
     pub fn poll(&mut self, esc: &mut impl EscAccess, application: &mut impl Application, now: Nanos) -> Report {
-        self.area.log.observe(self.area.device_time(now), application.emergency());
+        let fault = application.emergency();
+        self.area.log.observe(self.area.device_time(now), fault);
         let mut sync = None;
         let mut events = esc.events();
         if events.has(self.interest) {
@@ -151,7 +152,7 @@ impl Slave {
             sync = self.supervise(esc, application, now).or(sync);
         }
         if self.status.state != AlState::Init {
-            self.mailbox.observe(application.emergency());
+            self.mailbox.observe(fault);
             self.send(esc, application.entries());
         }
         Report {
