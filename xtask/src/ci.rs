@@ -81,7 +81,7 @@ pub fn run(root: &Path, skipped: &[&str]) -> Outcome {
 }
 
 /// Runs the same cargo that started this program.
-fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Outcome {
+pub fn cargo(root: &Path, arguments: &[&str], environment: &[(&str, &str)]) -> Outcome {
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(program)
         .args(arguments)

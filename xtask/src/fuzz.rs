@@ -6,6 +6,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
+use crate::ci;
+
 /// How cargo-fuzz is to build: without a sanitizer, which would need a nightly compiler and finds nothing in safe code.
 const BUILD: [&str; 4] = ["--sanitizer", "none", "--features", "libfuzzer"];
 /// Optimisation across crates would take longer than the run of a minute.
@@ -30,7 +32,7 @@ pub fn seconds(arguments: &[&str]) -> Result<u32, String> {
 /// Builds and runs all targets, each for `seconds`, and prints a line for each; an error names those that found something.
 pub fn run(root: &Path, seconds: u32) -> Result<(), String> {
     let targets = targets(root)?;
-    build(root)?;
+    ci::cargo(root, &[&["fuzz", "build"][..], &BUILD].concat(), &[NO_LTO])?;
     let programs = programs(root)?;
     let mut failed = Vec::new();
     for names in targets.chunks(AT_ONCE) {
@@ -53,22 +55,6 @@ pub fn run(root: &Path, seconds: u32) -> Result<(), String> {
         Ok(())
     } else {
         Err(format!("fuzz: something was found by {}", failed.join(", ")))
-    }
-}
-
-/// Builds the programs of all targets.
-fn build(root: &Path) -> Result<(), String> {
-    let status = Command::new("cargo")
-        .args(["fuzz", "build"])
-        .args(BUILD)
-        .env(NO_LTO.0, NO_LTO.1)
-        .current_dir(root)
-        .status()
-        .map_err(|error| format!("cargo does not start: {error}"))?;
-    if status.success() {
-        Ok(())
-    } else {
-        Err("cargo fuzz build failed".into())
     }
 }
 
