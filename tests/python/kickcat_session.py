@@ -69,13 +69,10 @@ def other_mapping(segment, count, distance):
 
 
 def move(segment, distance):
-    """Enables the drives, moves them over a distance and back, disables them."""
+    """Checks what the drives follow in OP, and moves them."""
     for drive in segment.drives:
         expect_equal(objects.read(drive, 0x1C32, 1), 1, "0x1C32:01 synchronization type, read in OP")
-    positions = motion.enable(segment)
-    positions = motion.ramp(segment, positions, distance)
-    motion.ramp(segment, positions, -distance)
-    motion.disable(segment)
+    motion.there_and_back(segment, distance)
 
 
 def main():

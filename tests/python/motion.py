@@ -88,3 +88,11 @@ def offsets(distance):
         travelled += min(speed, left)
         cycle += 1
         yield direction * travelled
+
+
+def there_and_back(segment, distance):
+    """Enables the drives, moves them over a distance and back, disables them."""
+    positions = enable(segment)
+    positions = ramp(segment, positions, distance)
+    ramp(segment, positions, -distance)
+    disable(segment)

@@ -76,13 +76,10 @@ PARTS = {"default": default_mapping, "other": other_mapping, "clocks": distribut
 
 
 def move(segment, sync_type, distance):
-    """Enables the drives, moves them over a distance and back, disables them."""
+    """Checks what the drives follow in OP, and moves them."""
     for drive in segment.drives:
         objects.check_in_operation(drive, sync_type)
-    positions = motion.enable(segment)
-    positions = motion.ramp(segment, positions, distance)
-    motion.ramp(segment, positions, -distance)
-    motion.disable(segment)
+    motion.there_and_back(segment, distance)
 
 
 def run(arguments):
