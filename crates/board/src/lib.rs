@@ -69,7 +69,7 @@ pub struct Sensors {
     pub level_ages: [Nanos; INPUT_COUNT],
     /// The supply at the power stage.
     pub bus_voltage: Millivolts,
-    /// Currents in winding A and winding B.
+    /// Currents that flow out of the legs A+ and B+: those of winding A and winding B of a motor of two phases, of U and W of one of three.
     pub phase_currents: [Milliamps; 2],
 }
 
@@ -95,4 +95,16 @@ pub enum PowerStage {
         /// The peak of the sinusoidal phase current.
         amplitude: Milliamps,
     },
+    /// The four legs (half bridges) switch: A+, A-, B+, B-. The duty is the share of the PWM period in which the upper transistor is on.
+    Legs([Duty; LEG_COUNT]),
 }
+
+/// Half bridges of the power stage: terminals A+, A-, B+, B-.
+///
+/// A motor of two phases has winding A between A+ and A-, and winding B between B+ and B-. One of three phases has U at A+, V at A- and
+/// W at B+.
+pub const LEG_COUNT: usize = 4;
+
+/// Share of a PWM period in 2^-16: 0 is always low, 65535 always high but for the least step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Duty(pub u16);

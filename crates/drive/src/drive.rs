@@ -14,7 +14,7 @@ use crate::motion::Motion;
 use crate::objects::{DriveObjects, slots};
 use crate::outputs::{self, Indications};
 use crate::power_control::{Activity, PowerControl, Situation, Stop};
-use crate::power_stage::{Current, Field};
+use crate::power_stage::{Current, CurrentVector, Field};
 use crate::power_state::PowerState;
 use crate::profile::{Acceleration, Position, Speed};
 use crate::statusword::{self, TARGET_REACHED, flag};
@@ -33,6 +33,7 @@ pub struct Drive {
     motion: Motion,
     current: Current,
     field: Field,
+    vector: Option<CurrentVector>,
     brake: Brake,
     probes: TouchProbes,
     alarm_led: AlarmLed,
@@ -52,6 +53,7 @@ impl Drive {
             motion: Motion::new(),
             current: Current::default(),
             field: Field::new(),
+            vector: None,
             brake: Brake::default(),
             probes: TouchProbes::default(),
             alarm_led: AlarmLed::new(),
@@ -171,6 +173,11 @@ impl Drive {
         self.motion.velocity()
     }
 
+    /// The current vector that the last tick has commanded; none while the power stage is off.
+    pub const fn current_vector(&self) -> Option<CurrentVector> {
+        self.vector
+    }
+
     /// The inputs after filter, polarity and function.
     pub const fn signals(&self) -> &Signals {
         &self.signals
@@ -241,15 +248,21 @@ impl Drive {
     fn drive_stage(&mut self, activity: Activity, objects: &DriveObjects) -> PowerStage {
         self.field.turn(self.motion.travel(), objects.resolution, objects.run_reverse != 0);
         let moving = self.is_moving();
-        let stage = if activity == Activity::Off {
+        self.vector = if activity == Activity::Off {
             self.current.off();
-            PowerStage::Off
+            None
         } else {
-            PowerStage::Field {
+            Some(CurrentVector {
                 angle: self.field.angle(),
                 amplitude: self.current.tick(moving, objects),
-            }
+            })
         };
+        let stage = self
+            .vector
+            .map_or(PowerStage::Off, |CurrentVector { angle, amplitude }| PowerStage::Field {
+                angle,
+                amplitude,
+            });
         let leaving = matches!(activity, Activity::Stop(_)) && !moving && self.power.stop_switches_off(objects);
         self.brake.tick(self.current.is_locked(), leaving);
         stage

@@ -47,4 +47,5 @@ pub use alarm::{Alarm, Light};
 pub use drive::Drive;
 pub use modes::Mode;
 pub use objects::{DriveObjects, slots};
+pub use power_stage::CurrentVector;
 pub use power_state::PowerState;

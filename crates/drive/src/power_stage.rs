@@ -10,6 +10,15 @@ const STANDBY_RAMP: u32 = TICKS_PER_SECOND / 20;
 /// Ticks in a millisecond, the unit of 0x2002.
 const TICKS_PER_MILLISECOND: u32 = TICKS_PER_SECOND / 1000;
 
+/// A current vector in the windings: `amplitude * cos(angle)` in winding A, `amplitude * sin(angle)` in winding B.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CurrentVector {
+    /// The vector's direction, which the rotor follows.
+    pub angle: ElectricalAngle,
+    /// The peak of the sinusoidal phase current.
+    pub amplitude: Milliamps,
+}
+
 /// The amplitude of the current: shaft lock, operation, standby (manual 2.2.1, 2.2.3, 2.2.4, 2.2.10).
 #[derive(Clone, Debug, Default)]
 pub struct Current {

@@ -2,14 +2,11 @@
 
 mod rig;
 
-use board::{Milliamps, PowerStage, Sensors};
+use board::{Milliamps, Sensors};
 use rig::Rig;
 
 fn angle(rig: &Rig) -> u32 {
-    match rig.actuators.stage {
-        PowerStage::Field { angle, .. } => angle.0,
-        PowerStage::Off => panic!("off"),
-    }
+    rig.drive.current_vector().expect("the power stage is on").angle.0
 }
 
 fn move_to(rig: &mut Rig, target: i32) {

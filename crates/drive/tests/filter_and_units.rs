@@ -2,7 +2,7 @@
 
 mod rig;
 
-use board::{Millivolts, Nanos, PowerStage};
+use board::{Millivolts, Nanos};
 use dictionary::AbortCode;
 use drive::PowerState::*;
 use proptest::prelude::*;
@@ -27,10 +27,7 @@ fn move_by(rig: &mut Rig, distance: i32) -> usize {
 }
 
 fn angle(rig: &Rig) -> u32 {
-    match rig.actuators.stage {
-        PowerStage::Field { angle, .. } => angle.0,
-        PowerStage::Off => panic!("off"),
-    }
+    rig.drive.current_vector().expect("the power stage is on").angle.0
 }
 
 #[test]

@@ -74,8 +74,8 @@ proptest! {
                 rig.tick();
                 let powered = matches!(rig.state(), OperationEnabled | QuickStopActive | FaultReactionActive);
                 prop_assert!(powered || rig.actuators.stage == PowerStage::Off);
-                if let PowerStage::Field { amplitude, .. } = rig.actuators.stage {
-                    prop_assert!((0..=i32::from(rig.objects.peak_current)).contains(&amplitude.0));
+                if let Some(amplitude) = rig.amplitude() {
+                    prop_assert!((0..=i32::from(rig.objects.peak_current)).contains(&amplitude));
                 }
                 prop_assert_eq!(rig.drive.position().pulses(), rig.objects.position);
                 prop_assert!([0, 1, 3, 6, 8].contains(&rig.objects.mode_display));

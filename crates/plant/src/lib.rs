@@ -14,14 +14,20 @@
 #[cfg(test)]
 extern crate std;
 
+mod angle;
+pub mod motor;
+pub mod motors;
 pub mod rotor;
 mod terminals;
 pub mod travel;
 
-use board::{Actuators, INPUT_COUNT, InputLevels, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+use board::{Actuators, Duty, INPUT_COUNT, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+pub use motor::{MotorParameters, MotorState, Phases};
 pub use rotor::{Rotor, Turns};
 use terminals::Terminals;
 pub use travel::{Switches, Travel};
+
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
 /// What a plant is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +43,10 @@ pub struct PlantConfig {
     pub flags: [Option<(Turns, Turns)>; INPUT_COUNT],
     /// Voltage of the supply.
     pub supply: Millivolts,
+    /// The motor.
+    pub motor: MotorParameters,
+    /// Inertia that turns with the shaft, in kg m^2.
+    pub load_inertia: f64,
 }
 
 impl Default for PlantConfig {
@@ -47,6 +57,8 @@ impl Default for PlantConfig {
             wiring: Wiring::default(),
             flags: [None; INPUT_COUNT],
             supply: Millivolts(36_000),
+            motor: motors::QSH5718_56,
+            load_inertia: 300e-7,
         }
     }
 }
@@ -78,6 +90,7 @@ impl Default for Wiring {
 pub struct Plant {
     config: PlantConfig,
     rotor: Rotor,
+    motor: MotorState,
     terminals: Terminals,
     outputs: OutputLevels,
     phase_currents: [Milliamps; 2],
@@ -90,6 +103,10 @@ impl Plant {
         Self {
             config,
             rotor,
+            motor: MotorState {
+                turns: config.start.0,
+                ..MotorState::default()
+            },
             terminals: Terminals::new(&config),
             outputs: OutputLevels(0),
             phase_currents: [Milliamps(0); 2],
@@ -109,10 +126,35 @@ impl Plant {
                 self.rotor.follow(angle, amplitude);
                 self.phase_currents = rotor::phase_currents(angle, amplitude);
             }
+            PowerStage::Legs(duties) => {
+                let voltages = self.voltages(duties);
+                self.motor = self.config.motor.step(self.motor, voltages, 0.0, self.config.load_inertia);
+                self.rotor = Rotor::new(Turns(self.motor.turns));
+                self.phase_currents = self.leg_currents().map(|ampere| Milliamps((ampere * 1000.0) as i32));
+            }
         }
         self.rotor.stop_at(self.config.travel.stops);
         let inputs = self.terminals.step(start, self.rotor.position());
         self.sensors_with(inputs)
+    }
+
+    /// The voltages over the windings, as the motor's equations have them.
+    fn voltages(&self, duties: [Duty; LEG_COUNT]) -> [f64; 2] {
+        let supply = f64::from(self.config.supply.0) / 1000.0;
+        let [u, v, w, x] = duties.map(|duty| f64::from(duty.0) / 65_536.0 * supply);
+        match self.config.motor.phases {
+            Phases::Two => [u - v, w - x],
+            Phases::Three => [(2.0 * u - v - w) / 3.0, (v - w) / SQRT_3],
+        }
+    }
+
+    /// The currents out of the legs A+ and B+.
+    fn leg_currents(&self) -> [f64; 2] {
+        let [a, b] = self.motor.currents;
+        match self.config.motor.phases {
+            Phases::Two => [a, b],
+            Phases::Three => [a, -a / 2.0 - SQRT_3 / 2.0 * b],
+        }
     }
 
     /// What the sensors read now.

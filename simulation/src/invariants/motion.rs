@@ -1,7 +1,6 @@
 //! The field turns as the counter counts, and never faster or harder than it was told.
 
-use board::PowerStage;
-use drive::{Mode, PowerState};
+use drive::{CurrentVector, Mode, PowerState};
 
 use super::{Verdict, View, must};
 use crate::coverage::Coverage;
@@ -63,8 +62,8 @@ impl Motion {
         let position = view.drive.device().drive().position().sub_pulses();
         let shaft = view.drive.plant().shaft().0;
         self.allowed.take(view);
-        match view.actuators.stage {
-            PowerStage::Off => {
+        match view.drive.device().drive().current_vector() {
+            None => {
                 must(velocity == 0, || format!("{velocity} sub-pulses without current"))?;
                 must(!view.is_moving(), || "moving without current".into())?;
                 must(self.shaft.is_none_or(|before| before == shaft), || {
@@ -75,7 +74,7 @@ impl Motion {
                 }
                 self.field = None;
             }
-            PowerStage::Field { angle, amplitude } => {
+            Some(CurrentVector { angle, amplitude }) => {
                 must((0..=i32::from(view.objects.peak_current)).contains(&amplitude.0), || {
                     format!("{} mA of {}", amplitude.0, view.objects.peak_current)
                 })?;

@@ -3,7 +3,7 @@
 
 use board::{Actuators, INPUT_COUNT, InputLevels, Millivolts, Nanos, PowerStage, Sensors};
 use dictionary::{AbortCode, Objects};
-use drive::{Drive, DriveObjects, PowerState};
+use drive::{CurrentVector, Drive, DriveObjects, PowerState};
 
 /// Pulses of one electrical period at the default resolution: 10 000 pulses and 50 periods a turn.
 const PULSES_PER_PERIOD: f64 = 200.0;
@@ -89,7 +89,7 @@ impl Rig {
             ..Sensors::default()
         };
         self.actuators = self.drive.tick(&sensors, &mut self.objects);
-        if let PowerStage::Field { angle, .. } = self.actuators.stage {
+        if let Some(CurrentVector { angle, .. }) = self.drive.current_vector() {
             self.shaft += f64::from(angle.0.wrapping_sub(self.angle) as i32) / 2f64.powi(32) * PULSES_PER_PERIOD;
             self.angle = angle.0;
         }
@@ -154,10 +154,7 @@ impl Rig {
     }
 
     pub fn amplitude(&self) -> Option<i32> {
-        match self.actuators.stage {
-            PowerStage::Off => None,
-            PowerStage::Field { amplitude, .. } => Some(amplitude.0),
-        }
+        self.drive.current_vector().map(|vector| vector.amplitude.0)
     }
 
     /// A download as the device does it: the drive's veto first, then the table's checks.
