@@ -15,7 +15,7 @@ const RANGE: i64 = SUB_PULSES << 32;
 const PERIODS: i64 = 50;
 /// Up to this speed the last part of a pulse is crept to, in pulses/s.
 const CREEP: i64 = 100;
-/// The angle is computed from travel and period cut to 32 bits, whose first may be the only one set: it may be two and a half units too
+/// The angle is computed from travel and period cut to 32 bits, whose first may be the only one set: it may be three units too
 /// small or two too large, at both ends, and this check rounds too.
 const ANGLE_ROUNDING: i32 = 6;
 /// The motion filter's divisions may round by this many sub-pulses a tick.
