@@ -178,6 +178,11 @@ impl Drive {
         self.vector
     }
 
+    /// Whether the motor is on and its shaft lock (0x200A) is over.
+    pub const fn is_shaft_locked(&self) -> bool {
+        self.current.is_locked()
+    }
+
     /// The inputs after filter, polarity and function.
     pub const fn signals(&self) -> &Signals {
         &self.signals

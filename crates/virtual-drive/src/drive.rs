@@ -10,6 +10,7 @@ use wire::al::{AlState, AlStatusCode};
 
 use crate::flash::{self, Flash};
 use crate::indicators::Indicators;
+use crate::synchronism::Synchronism;
 
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
@@ -76,6 +77,7 @@ pub struct VirtualDrive {
     next_tick: Nanos,
     now: Nanos,
     indicators: Indicators,
+    synchronism: Synchronism,
     /// The slave controller's resets that the device has followed.
     resets: u32,
 }
@@ -100,6 +102,7 @@ impl VirtualDrive {
             next_tick: TICK_PERIOD,
             now: Nanos(0),
             indicators: Indicators::new(config.ports),
+            synchronism: Synchronism::default(),
             resets: chip.resets(),
             config,
             chip,
@@ -157,6 +160,9 @@ impl VirtualDrive {
         self.chip.advance(now);
         self.actuators = self.device.tick(&mut self.chip, &mut self.memory, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
+        let drive = self.device.drive();
+        self.synchronism
+            .observe(drive.current_vector(), drive.is_shaft_locked(), self.plant.shaft());
         if now.0.is_multiple_of(LED_PERIOD.0) {
             self.light(now);
         }
@@ -210,6 +216,11 @@ impl VirtualDrive {
     /// What the last control tick commanded.
     pub fn actuators(&self) -> &Actuators {
         &self.actuators
+    }
+
+    /// Whether the shaft is where the drive believes it to be.
+    pub fn synchronism(&self) -> &Synchronism {
+        &self.synchronism
     }
 
     /// The LEDs on the drive's front.

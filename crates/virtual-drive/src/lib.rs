@@ -6,6 +6,7 @@
 //! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
 //! | [`cables`] | the cables of a line or ring, to be cut and repaired |
 //! | [`control`] | orders to them from outside, through a Unix socket |
+//! | [`synchronism`] | whether the shaft is where the drive believes it to be |
 //! | [`indicators`] | the LEDs on a drive's front |
 //! | [`clock`] | real time and lock-step |
 //! | [`link`] | wires: the trait, raw Ethernet on an interface, captures |
@@ -47,3 +48,4 @@ pub mod program;
 pub mod segment;
 pub mod server;
 pub mod status;
+pub mod synchronism;
