@@ -2,6 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`envelope`] | [`Envelope`]: the largest torque of a motor at each speed, in closed form |
 //! | [`rotor`] | [`Rotor`]: the shaft, which follows the commanded field with a lag of first order |
 //! | [`travel`] | [`Travel`]: the axis with its end stops, two limit switches and a home switch |
 //! | `terminals` | the input terminals: what is wired to them, and when within a step they change |
@@ -15,6 +16,7 @@
 extern crate std;
 
 mod angle;
+pub mod envelope;
 pub mod motor;
 pub mod motors;
 pub mod rotor;
@@ -22,6 +24,7 @@ mod terminals;
 pub mod travel;
 
 use board::{Actuators, Duty, INPUT_COUNT, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+pub use envelope::Envelope;
 pub use motor::{MotorParameters, MotorState, Phases};
 pub use rotor::{Rotor, Turns};
 use terminals::Terminals;
