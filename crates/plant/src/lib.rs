@@ -97,6 +97,8 @@ pub struct Plant {
     terminals: Terminals,
     outputs: OutputLevels,
     phase_currents: [Milliamps; 2],
+    /// The duties that the next PWM period begins with.
+    duties: Option<[Duty; LEG_COUNT]>,
 }
 
 impl Plant {
@@ -113,6 +115,7 @@ impl Plant {
             terminals: Terminals::new(&config),
             outputs: OutputLevels(0),
             phase_currents: [Milliamps(0); 2],
+            duties: None,
         }
     }
 
@@ -124,13 +127,16 @@ impl Plant {
         let start = self.rotor.position();
         self.outputs = actuators.outputs;
         match actuators.stage {
-            PowerStage::Off => self.phase_currents = [Milliamps(0); 2],
+            PowerStage::Off => {
+                self.phase_currents = [Milliamps(0); 2];
+                self.duties = None;
+            }
             PowerStage::Field { angle, amplitude } => {
                 self.rotor.follow(angle, amplitude);
                 self.phase_currents = rotor::phase_currents(angle, amplitude);
             }
             PowerStage::Legs(duties) => {
-                let voltages = self.voltages(duties);
+                let voltages = self.duties.replace(duties).map_or([0.0; 2], |duties| self.voltages(duties));
                 self.motor = self.config.motor.step(self.motor, voltages, 0.0, self.config.load_inertia);
                 self.rotor = Rotor::new(Turns(self.motor.turns));
                 self.phase_currents = self.leg_currents().map(|ampere| Milliamps((ampere * 1000.0) as i32));
