@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`file`] | a motor as a TOML file |
+//! | [`text`] | the same file from a motor's values |
 //! | `quantity` | the keys of such a file, with units and ranges |
 //! | [`mistake`] | what is wrong with such a file |
 //! | [`figures`] | what follows from a motor's values |
@@ -11,6 +12,9 @@ pub mod figures;
 pub mod file;
 pub mod mistake;
 mod quantity;
+pub mod text;
+
+pub use quantity::{LOAD_INERTIAS, SUPPLIES};
 
 use std::path::Path;
 

@@ -159,11 +159,11 @@ pub(super) const QUANTITIES: [Quantity; 12] = [
     },
 ];
 
-/// Inertias of a load in kg m^2.
-pub(super) const LOAD_INERTIAS: (f64, f64) = (0.0, 1.0);
+/// Inertias of a load that can be simulated, in kg m^2.
+pub const LOAD_INERTIAS: (f64, f64) = (0.0, 1.0);
 
-/// Voltages of a supply in V. The drive works from 18 to 50 V and reports a fault elsewhere, which can be tried too.
-pub(super) const SUPPLIES: (f64, f64) = (10.0, 80.0);
+/// Voltages of a supply that can be simulated, in V. The drive works from 18 to 50 V and reports a fault elsewhere, which can be tried too.
+pub const SUPPLIES: (f64, f64) = (10.0, 80.0);
 
 impl Quantity {
     /// The key that gives it in this unit.
