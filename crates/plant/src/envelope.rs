@@ -7,12 +7,13 @@
 use board::ELECTRICAL_PERIODS_PER_TURN;
 use libm::sqrt;
 
-use crate::SQRT_3;
 use crate::motor::{MotorParameters, Phases};
 
 /// The share of the supply that a bridge can put over a winding: the rest is dead time, and the least time the low transistors have to be
 /// on for currents to be measured.
 pub const MODULATION_LIMIT: f64 = 0.95;
+
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
 
 /// No motor of this kind gets here, in turns a second: where the search for the fastest speed ends.
 const FASTEST: f64 = 1000.0;

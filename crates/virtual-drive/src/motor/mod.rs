@@ -77,7 +77,7 @@ impl Motor {
     pub fn install(&self, plant: &mut PlantConfig) {
         plant.motor = self.parameters;
         if let Some(inertia) = self.load_inertia {
-            plant.load_inertia = inertia;
+            plant.load.inertia = inertia;
         }
         if let Some(volts) = self.supply {
             plant.supply = board::Millivolts((volts * 1000.0).round() as i32);
@@ -117,7 +117,7 @@ mod tests {
         let mut plant = PlantConfig::default();
         let before = plant;
         Motor::find("as1010").unwrap().install(&mut plant);
-        assert_eq!((plant.supply, plant.load_inertia), (before.supply, before.load_inertia));
+        assert_eq!((plant.supply, plant.load), (before.supply, before.load));
         assert_eq!(plant.motor, plant::motors::AS1010);
     }
 }
