@@ -96,6 +96,9 @@ pub enum PowerStage {
         amplitude: Milliamps,
     },
     /// The four legs (half bridges) switch: A+, A-, B+, B-. The duty is the share of the PWM period in which the upper transistor is on.
+    ///
+    /// A PWM period lasts a tick and takes its duties at its start: the command that a tick ends with acts in the period after it, and the
+    /// firmware has the whole tick to compute it.
     Legs([Duty; LEG_COUNT]),
 }
 

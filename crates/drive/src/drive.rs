@@ -6,6 +6,7 @@ use dictionary::AbortCode;
 use crate::alarm::{Alarm, AlarmLed, Light};
 use crate::brake::Brake;
 use crate::controlword::{Controlword, StartEdge};
+use crate::current_loop::{self, CurrentLoop};
 use crate::faults::{Fault, Faults};
 use crate::homing::Method;
 use crate::inputs::{Inputs, Signals};
@@ -34,6 +35,7 @@ pub struct Drive {
     current: Current,
     field: Field,
     vector: Option<CurrentVector>,
+    current_loop: CurrentLoop,
     brake: Brake,
     probes: TouchProbes,
     alarm_led: AlarmLed,
@@ -54,6 +56,7 @@ impl Drive {
             current: Current::default(),
             field: Field::new(),
             vector: None,
+            current_loop: CurrentLoop::default(),
             brake: Brake::default(),
             probes: TouchProbes::default(),
             alarm_led: AlarmLed::new(),
@@ -74,7 +77,7 @@ impl Drive {
         self.clear_position(objects);
         self.probes.tick(sensors, &self.signals, &self.motion, objects);
 
-        let stage = self.drive_stage(activity, objects);
+        let stage = self.drive_stage(activity, sensors, objects);
         let indications = Indications {
             alarm: self.power.state().is_faulty(),
             brake_open: self.brake.is_open(),
@@ -250,7 +253,7 @@ impl Drive {
         }
     }
 
-    fn drive_stage(&mut self, activity: Activity, objects: &DriveObjects) -> PowerStage {
+    fn drive_stage(&mut self, activity: Activity, sensors: &Sensors, objects: &DriveObjects) -> PowerStage {
         self.field.turn(self.motion.travel(), objects.resolution, objects.run_reverse != 0);
         let moving = self.is_moving();
         self.vector = if activity == Activity::Off {
@@ -262,12 +265,16 @@ impl Drive {
                 amplitude: self.current.tick(moving, objects),
             })
         };
-        let stage = self
-            .vector
-            .map_or(PowerStage::Off, |CurrentVector { angle, amplitude }| PowerStage::Field {
-                angle,
-                amplitude,
-            });
+        let stage = match self.vector {
+            Some(vector) => {
+                let settings = current_loop::Settings::from_objects(objects);
+                self.current_loop.tick(vector, sensors, &settings)
+            }
+            None => {
+                self.current_loop.off();
+                PowerStage::Off
+            }
+        };
         let leaving = matches!(activity, Activity::Stop(_)) && !moving && self.power.stop_switches_off(objects);
         self.brake.tick(self.current.is_locked(), leaving);
         stage

@@ -16,6 +16,7 @@
 //! | `motion` | the commanded axis: profile, filter and position counter |
 //! | `touch_probe` | positions latched by edges of inputs |
 //! | `power_stage` | current and direction of the field |
+//! | [`current_loop`] | the field's current in the windings: duties of the legs |
 //! | `brake` | when the holding brake opens and shuts |
 //! | `outputs` | digital outputs: function and polarity |
 //! | [`statusword`] | 0x6041 |
@@ -28,6 +29,7 @@
 pub mod alarm;
 mod brake;
 pub mod controlword;
+pub mod current_loop;
 mod drive;
 pub mod faults;
 pub mod homing;

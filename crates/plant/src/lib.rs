@@ -1,13 +1,24 @@
-//! What hangs on the drive's terminals, as a simulation: motor, travel, switches, supply.
+//! What hangs on the drive's terminals, as a simulation: power stage, motor, load, travel, switches, supply.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`rotor`] | [`Rotor`]: the shaft, which follows the commanded field with a lag of first order |
+//! | [`bridge`] | four legs with dead time and resistance, or their diodes when all transistors are off |
+//! | [`supply`] | [`SupplyParameters`]: source, impedance, bus capacitor |
+//! | [`sensing`] | [`Sensing`]: what the drive's converter makes of currents and voltage |
+//! | [`motor`] | [`MotorParameters`]: the hybrid stepping motor and its equations |
+//! | [`motors`] | motors with a name |
+//! | [`envelope`] | [`Envelope`]: the largest torque of a motor at each speed, in closed form |
+//! | `windings` | the windings as the bridge sees them, whole or broken |
+//! | `machine` | motor and load in motion: the integration |
+//! | [`load`] | [`Load`]: inertia, friction, torque, elastic coupling |
+//! | [`faults`] | [`Faults`]: what can break |
+//! | [`energy`] | [`EnergyAccount`]: where the energy goes |
 //! | [`travel`] | [`Travel`]: the axis with its end stops, two limit switches and a home switch |
 //! | `terminals` | the input terminals: what is wired to them, and when within a step they change |
+//! | `rotor` | an ideal shaft, which follows a commanded field with a lag of first order |
 //!
-//! [`Plant::step`] takes one control tick. It holds no clock and no randomness: the same actuator commands give the same sensor values,
-//! bit for bit, on every machine.
+//! [`Plant::step`] takes one control tick. It holds no clock and no randomness but the seeded noise of [`sensing`]: the same actuator commands give the
+//! same sensor values, bit for bit, on every machine.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -15,19 +26,38 @@
 extern crate std;
 
 mod angle;
+pub mod bridge;
+pub mod energy;
+pub mod envelope;
+pub mod faults;
+pub mod load;
+mod machine;
 pub mod motor;
 pub mod motors;
-pub mod rotor;
+mod rotor;
+pub mod sensing;
+pub mod supply;
 mod terminals;
 pub mod travel;
+mod windings;
 
-use board::{Actuators, Duty, INPUT_COUNT, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+use board::{
+    Actuators, Duty, ElectricalAngle, INPUT_COUNT, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors,
+};
+use bridge::Applied;
+pub use bridge::BridgeParameters;
+pub use energy::EnergyAccount;
+pub use envelope::Envelope;
+pub use faults::Faults;
+pub use load::{Coupling, Load, LoadState};
+use machine::{Machine, Moved, PERIODS, State};
 pub use motor::{MotorParameters, MotorState, Phases};
-pub use rotor::{Rotor, Turns};
+use sensing::Converter;
+pub use sensing::Sensing;
+use supply::Bus;
+pub use supply::SupplyParameters;
 use terminals::Terminals;
-pub use travel::{Switches, Travel};
-
-const SQRT_3: f64 = 1.732_050_807_568_877_2;
+pub use travel::{Switches, Travel, Turns};
 
 /// What a plant is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,13 +73,20 @@ pub struct PlantConfig {
     pub flags: [Option<(Turns, Turns)>; INPUT_COUNT],
     /// Voltage of the supply.
     pub supply: Millivolts,
+    /// What is between that and the bridge.
+    pub source: SupplyParameters,
+    /// The bridge.
+    pub bridge: BridgeParameters,
+    /// The converter of currents and voltage.
+    pub sensing: Sensing,
     /// The motor.
     pub motor: MotorParameters,
-    /// Inertia that turns with the shaft, in kg m^2.
-    pub load_inertia: f64,
+    /// What its shaft drives.
+    pub load: Load,
 }
 
 impl Default for PlantConfig {
+    /// A NEMA 23 motor with as much inertia again as its rotor has, at 36 V.
     fn default() -> Self {
         Self {
             travel: Travel::default(),
@@ -57,8 +94,11 @@ impl Default for PlantConfig {
             wiring: Wiring::default(),
             flags: [None; INPUT_COUNT],
             supply: Millivolts(36_000),
+            source: SupplyParameters::default(),
+            bridge: BridgeParameters::default(),
+            sensing: Sensing::default(),
             motor: motors::QSH5718_56,
-            load_inertia: 300e-7,
+            load: Load::inertia(300e-7),
         }
     }
 }
@@ -85,100 +125,150 @@ impl Default for Wiring {
     }
 }
 
-/// Motor, axis, switches and supply of one drive.
+/// Power stage, motor, axis, switches and supply of one drive.
 #[derive(Clone, Debug)]
 pub struct Plant {
     config: PlantConfig,
-    rotor: Rotor,
-    motor: MotorState,
+    faults: Faults,
+    machine: Machine,
+    state: State,
+    bus: Bus,
+    converter: Converter,
     terminals: Terminals,
     outputs: OutputLevels,
     phase_currents: [Milliamps; 2],
+    /// The duties that the next PWM period begins with.
+    duties: Option<[Duty; LEG_COUNT]>,
+    bus_voltage: Millivolts,
+    account: EnergyAccount,
 }
 
 impl Plant {
-    /// A plant at rest, its shaft at the configured start.
+    /// A plant at rest, its shaft at the configured start and its bus charged.
     pub fn new(config: PlantConfig) -> Self {
-        let rotor = Rotor::new(config.start);
-        Self {
-            config,
-            rotor,
-            motor: MotorState {
-                turns: config.start.0,
-                ..MotorState::default()
-            },
+        let bus = Bus::new(config.source, volt(config.supply));
+        let converter = Converter::new(config.sensing);
+        let mut plant = Self {
+            faults: Faults::default(),
+            machine: machine(&config, &Faults::default()),
+            state: State::at_rest(config.start.0),
+            bus_voltage: converter.voltage(bus.voltage),
+            bus,
+            converter,
             terminals: Terminals::new(&config),
             outputs: OutputLevels(0),
             phase_currents: [Milliamps(0); 2],
-        }
+            duties: None,
+            account: EnergyAccount::default(),
+            config,
+        };
+        plant.account.hand = plant.stored().stored();
+        plant
     }
 
     /// Lets one tick (50 us) pass under the given commands and returns what the sensors read at its end.
     ///
-    /// Within the tick the shaft turns evenly, which tells when inputs change. A switch that it passes from end to end in one tick does
+    /// Within the tick the axis turns evenly, which tells when inputs change. A switch that it passes from end to end in one tick does
     /// not show.
     pub fn step(&mut self, actuators: &Actuators) -> Sensors {
-        let start = self.rotor.position();
+        let start = self.axis();
         self.outputs = actuators.outputs;
-        match actuators.stage {
-            PowerStage::Off => self.phase_currents = [Milliamps(0); 2],
-            PowerStage::Field { angle, amplitude } => {
-                self.rotor.follow(angle, amplitude);
-                self.phase_currents = rotor::phase_currents(angle, amplitude);
-            }
-            PowerStage::Legs(duties) => {
-                let voltages = self.voltages(duties);
-                self.motor = self.config.motor.step(self.motor, voltages, 0.0, self.config.load_inertia);
-                self.rotor = Rotor::new(Turns(self.motor.turns));
-                self.phase_currents = self.leg_currents().map(|ampere| Milliamps((ampere * 1000.0) as i32));
-            }
+        if let PowerStage::Field { angle, amplitude } = actuators.stage {
+            self.follow(angle, amplitude);
+        } else {
+            let stage = self.preload(actuators.stage);
+            self.drive(stage);
+            self.phase_currents = self.currents().map(|ampere| self.converter.current(ampere));
         }
-        self.rotor.stop_at(self.config.travel.stops);
-        let inputs = self.terminals.step(start, self.rotor.position());
+        self.bus_voltage = self.converter.voltage(self.bus.voltage);
+        let inputs = self.terminals.step(start, self.axis());
         self.sensors_with(inputs)
     }
 
-    /// The voltages over the windings, as the motor's equations have them.
-    fn voltages(&self, duties: [Duty; LEG_COUNT]) -> [f64; 2] {
-        let supply = f64::from(self.config.supply.0) / 1000.0;
-        let [u, v, w, x] = duties.map(|duty| f64::from(duty.0) / 65_536.0 * supply);
-        match self.config.motor.phases {
-            Phases::Two => [u - v, w - x],
-            Phases::Three => [(2.0 * u - v - w) / 3.0, (v - w) / SQRT_3],
-        }
+    /// What the bridge does in the coming PWM period: switching off acts at once, duties wait for the period after theirs. Before the first ones, the
+    /// legs idle at half the supply.
+    fn preload(&mut self, stage: PowerStage) -> PowerStage {
+        const IDLE: [Duty; LEG_COUNT] = [Duty(1 << 15); LEG_COUNT];
+        let next = match stage {
+            PowerStage::Legs(duties) => Some(duties),
+            _ => None,
+        };
+        let present = core::mem::replace(&mut self.duties, next);
+        next.map_or(PowerStage::Off, |_| PowerStage::Legs(present.unwrap_or(IDLE)))
     }
 
-    /// The currents out of the legs A+ and B+.
-    fn leg_currents(&self) -> [f64; 2] {
-        let [a, b] = self.motor.currents;
-        match self.config.motor.phases {
-            Phases::Two => [a, b],
-            Phases::Three => [a, -a / 2.0 - SQRT_3 / 2.0 * b],
+    /// The ideal motor: no currents of its own, no inertia, nothing that it takes from the bus.
+    fn follow(&mut self, angle: ElectricalAngle, amplitude: Milliamps) {
+        let shaft = rotor::follow(self.shaft(), angle, amplitude);
+        let (lowest, highest) = self.config.travel.stops;
+        self.state = State::at_rest(shaft.0.clamp(lowest.0, highest.0));
+        self.phase_currents = rotor::phase_currents(angle, amplitude);
+        self.bus.step(0.0);
+    }
+
+    /// A tick of bridge, motor, load and supply.
+    fn drive(&mut self, stage: PowerStage) {
+        let applied = self.applied(stage);
+        let before = self.state;
+        let (mut after, moved) = self.machine.step(&before, &applied);
+        let (mut drawn, mut heat) = (self.drawn(&applied, &moved), moved.heat);
+        if applied.is_off() {
+            let spent = applied.spend(&self.machine.windings, before.motor.currents, after.motor.currents, moved.charge);
+            after.motor.currents = spent.currents;
+            drawn = spent.drawn;
+            heat += spent.heat;
         }
+        let kinetic = self.machine.kinetic_energy(&after);
+        let (lowest, highest) = self.config.travel.stops;
+        self.machine.stop_at(&mut after, (lowest.0, highest.0));
+        self.state = after;
+        let fed = self.bus.step(drawn);
+        let account = &mut self.account;
+        account.source += fed.source;
+        account.consumption += fed.consumption;
+        account.heat += heat;
+        account.drag += moved.drag;
+        account.friction += moved.friction + kinetic - self.machine.kinetic_energy(&after);
+        account.load += self.machine.work(after.load.turns - before.load.turns);
+    }
+
+    /// What the bridge does to the windings in the coming tick: at the voltage that the bus has in the middle of it.
+    fn applied(&self, stage: PowerStage) -> Applied {
+        let Self {
+            config, machine, state, ..
+        } = self;
+        let at = |bus: f64| match stage {
+            PowerStage::Legs(duties) => Applied::legs(&config.bridge, &machine.windings, duties, bus),
+            _ => Applied::off(&config.bridge, &machine.windings, state.motor.currents, machine.emf(state), bus),
+        };
+        let applied = at(self.bus.voltage);
+        let drawn = applied.drawn(&machine.windings, state.motor.currents);
+        at(self.bus.in_mid_tick(drawn))
+    }
+
+    /// The charge that the bridge has taken from the bus: what dead time keeps from the windings, it does not take.
+    fn drawn(&self, applied: &Applied, moved: &Moved) -> f64 {
+        let kept = if applied.bus > 0.0 { moved.dead / applied.bus } else { 0.0 };
+        applied.drawn(&self.machine.windings, moved.charge) - kept
     }
 
     /// What the sensors read now.
     pub fn sensors(&self) -> Sensors {
-        self.sensors_with(self.terminals.levels(self.rotor.position()))
+        self.sensors_with(self.terminals.levels(self.axis()))
     }
 
     fn sensors_with(&self, inputs: InputLevels) -> Sensors {
         Sensors {
             inputs,
             level_ages: self.terminals.ages,
-            bus_voltage: self.config.supply,
+            bus_voltage: self.bus_voltage,
             phase_currents: self.phase_currents,
         }
     }
 
-    /// Where the shaft really is, which an open-loop drive cannot know.
-    pub fn shaft(&self) -> Turns {
-        self.rotor.position()
-    }
-
     /// The switches of the axis.
     pub fn switches(&self) -> Switches {
-        self.config.travel.switches(self.rotor.position())
+        self.config.travel.switches(self.axis())
     }
 
     /// The outputs as the drive last set them.
@@ -191,13 +281,142 @@ impl Plant {
         self.terminals.held_on = held_on;
     }
 
-    /// Gives the supply another voltage, from the next step on.
+    /// Gives the supply another voltage, from the next step on. The bus follows: upwards through the source's impedance within a tick or two,
+    /// downwards as fast as the drive discharges it.
     pub fn set_supply(&mut self, supply: Millivolts) {
         self.config.supply = supply;
+        self.feed();
+    }
+
+    fn feed(&mut self) {
+        self.bus.source = volt(self.config.supply) + volt(self.faults.supply_offset);
+    }
+
+    /// Gives the load another torque in Nm against positive motion, from the next step on.
+    pub fn set_load_torque(&mut self, torque: f64) {
+        self.config.load.torque = torque;
+        self.machine = machine(&self.config, &self.faults);
+    }
+
+    /// Breaks or mends, from the next step on.
+    pub fn set_faults(&mut self, faults: Faults) {
+        let before = self.stored().stored();
+        self.faults = faults;
+        self.machine = machine(&self.config, &faults);
+        let motor = &mut self.state.motor;
+        motor.currents = self.machine.windings.without(motor.currents, self.machine.windings.open);
+        if faults.stuck_rotor {
+            self.state = self.machine.stuck(self.state);
+        }
+        self.feed();
+        self.account.hand += self.stored().stored() - before;
+    }
+
+    /// What is broken at present.
+    pub fn faults(&self) -> Faults {
+        self.faults
     }
 
     /// Moves the axis by hand; with the power stage on, the shaft then locks into the nearest electrical period.
     pub fn place(&mut self, position: Turns) {
-        self.rotor = Rotor::new(position);
+        let before = self.stored().stored();
+        let currents = self.state.motor.currents;
+        self.state = State::at_rest(position.0);
+        self.state.motor.currents = currents;
+        self.account.hand += self.stored().stored() - before;
     }
+}
+
+/// What only a simulation can see.
+impl Plant {
+    /// Where the shaft really is, which an open-loop drive cannot know.
+    pub fn shaft(&self) -> Turns {
+        Turns(self.state.motor.turns)
+    }
+
+    /// Where the axis is, with its switches and stops: at the shaft's position, or behind an elastic coupling.
+    pub fn axis(&self) -> Turns {
+        Turns(self.state.load.turns)
+    }
+
+    /// The motor.
+    pub fn motor(&self) -> MotorState {
+        self.state.motor
+    }
+
+    /// The load behind the coupling.
+    pub fn load(&self) -> LoadState {
+        self.state.load
+    }
+
+    /// What the plant is made of, with the supply's and the load's present values.
+    pub fn config(&self) -> &PlantConfig {
+        &self.config
+    }
+
+    /// By how much the shaft lags behind a commanded electrical angle, in electrical periods from -0.5 to 0.5: at a quarter the motor gives all
+    /// its torque, beyond it falls out of step.
+    pub fn lag(&self, commanded: ElectricalAngle) -> f64 {
+        angle::lag(commanded, self.state.motor.turns * PERIODS)
+    }
+
+    /// Currents out of the legs A+ and B+ in ampere, before any converter.
+    pub fn currents(&self) -> [f64; 2] {
+        let [u, v, w] = self.machine.windings.currents(self.state.motor.currents);
+        match self.config.motor.phases {
+            Phases::Two => [u, v],
+            Phases::Three => [u, w],
+        }
+    }
+
+    /// Voltage of the bus in V.
+    pub fn bus_voltage(&self) -> f64 {
+        self.bus.voltage
+    }
+
+    /// Current out of the supply in ampere, as a mean over the last tick.
+    pub fn supply_current(&self) -> f64 {
+        self.bus.current
+    }
+
+    /// Torque that windings and magnets give the rotor, in Nm, the detent torque included.
+    pub fn torque(&self) -> f64 {
+        self.machine.torque(&self.state)
+    }
+
+    /// Torque that the load takes from the shaft, in Nm: that of an elastic coupling, or with a rigid one the external torque.
+    pub fn load_torque(&self) -> f64 {
+        self.machine.load_torque(&self.state)
+    }
+
+    /// Where the energy has gone since power-on. The ideal motor of [`PowerStage::Field`] has no energy.
+    pub fn energy(&self) -> EnergyAccount {
+        let stored = self.stored();
+        EnergyAccount {
+            magnetic: stored.magnetic,
+            kinetic: stored.kinetic,
+            elastic: stored.elastic,
+            capacitor: stored.capacitor,
+            ..self.account
+        }
+    }
+
+    /// The present stores and nothing else.
+    fn stored(&self) -> EnergyAccount {
+        EnergyAccount {
+            magnetic: self.machine.magnetic_energy(self.state.motor.currents),
+            kinetic: self.machine.kinetic_energy(&self.state),
+            elastic: self.machine.elastic_energy(&self.state),
+            capacitor: self.bus.energy(),
+            ..EnergyAccount::default()
+        }
+    }
+}
+
+fn machine(config: &PlantConfig, faults: &Faults) -> Machine {
+    Machine::new(&config.motor, config.bridge.in_series(config.motor.phases), &config.load, faults)
+}
+
+fn volt(millivolts: Millivolts) -> f64 {
+    f64::from(millivolts.0) / 1000.0
 }

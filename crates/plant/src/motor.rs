@@ -1,13 +1,19 @@
-//! The hybrid stepping motor: windings, torque, rotor.
-
-use board::{ELECTRICAL_PERIODS_PER_TURN, TICK};
-
-use crate::angle::sin_cos;
-
-/// Electrical periods in a turn.
-const PERIODS: f64 = ELECTRICAL_PERIODS_PER_TURN as f64;
-/// The step of the integration in seconds: one control tick.
-const STEP: f64 = TICK.0 as f64 * 1e-9;
+//! The hybrid stepping motor: its data and its state.
+//!
+//! Two sine-wound phases, or three in star, on a rotor of 50 pole pairs. With the electrical angle `e` = 50 times the shaft's, resistance R,
+//! inductance L, back-EMF constant K, speed w, and the currents as a vector (a, b):
+//!
+//! ```text
+//! L da/dt = va - R a + K w sin e
+//! L db/dt = vb - R b - K w cos e
+//! torque  = k K (b cos e - a sin e) - D sin 4e        k = 1 with two phases, 3/2 with three
+//! J dw/dt = torque - drag w - friction sgn w - load
+//! ```
+//!
+//! A current vector at the angle c pulls the rotor to e = c, with the sine of the difference: at a quarter of a period the torque is
+//! greatest, beyond half a period the rotor is pulled into the next period, and four full steps are lost. These are the equations that
+//! Simscape's stepper motor block uses; iron losses, which it has as a resistor, are part of the drag here. Saturation and the dependence of L
+//! on the angle are left out.
 
 /// Number of windings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +22,17 @@ pub enum Phases {
     Two,
     /// Three windings, a third of an electrical period apart, in star.
     Three,
+}
+
+impl Phases {
+    /// Torque and power of a current vector, compared with what its two components would make in two windings: Clarke's transformation keeps
+    /// amplitudes, so that a vector stands for half as much again in three.
+    pub(crate) fn power_factor(self) -> f64 {
+        match self {
+            Self::Two => 1.0,
+            Self::Three => 1.5,
+        }
+    }
 }
 
 /// What a data sheet says of a motor, in SI units.
@@ -44,10 +61,7 @@ pub struct MotorParameters {
 impl MotorParameters {
     /// Torque at one ampere of the current vector's amplitude, in Nm/A.
     pub fn torque_constant(&self) -> f64 {
-        match self.phases {
-            Phases::Two => self.back_emf,
-            Phases::Three => 1.5 * self.back_emf,
-        }
+        self.phases.power_factor() * self.back_emf
     }
 
     /// Static torque at a current vector's amplitude, in Nm, without the detent's part.
@@ -65,75 +79,4 @@ pub struct MotorState {
     pub speed: f64,
     /// Angle of the shaft in turns.
     pub turns: f64,
-}
-
-impl MotorState {
-    fn after(self, slope: &Slope, time: f64) -> Self {
-        Self {
-            currents: [
-                self.currents[0] + time * slope.currents[0],
-                self.currents[1] + time * slope.currents[1],
-            ],
-            speed: self.speed + time * slope.speed,
-            turns: self.turns + time * slope.turns,
-        }
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Slope {
-    currents: [f64; 2],
-    speed: f64,
-    turns: f64,
-}
-
-impl MotorParameters {
-    /// The state one tick later, with constant voltages over the windings (in V, as [`MotorState::currents`]) and a constant torque of the
-    /// load (in Nm) against positive motion, and the load's inertia in kg m^2.
-    pub fn step(&self, state: MotorState, voltages: [f64; 2], load: f64, load_inertia: f64) -> MotorState {
-        let slope = |at: MotorState| self.slope(at, voltages, load, load_inertia);
-        let k1 = slope(state);
-        let k2 = slope(state.after(&k1, STEP / 2.0));
-        let k3 = slope(state.after(&k2, STEP / 2.0));
-        let k4 = slope(state.after(&k3, STEP));
-        let mean = |part: fn(&Slope) -> f64| (part(&k1) + 2.0 * (part(&k2) + part(&k3)) + part(&k4)) / 6.0;
-        let mean = Slope {
-            currents: [mean(|k| k.currents[0]), mean(|k| k.currents[1])],
-            speed: mean(|k| k.speed),
-            turns: mean(|k| k.turns),
-        };
-        self.rub(state.after(&mean, STEP), load_inertia)
-    }
-
-    fn slope(&self, at: MotorState, voltages: [f64; 2], load: f64, load_inertia: f64) -> Slope {
-        let (sine, cosine) = sin_cos(at.turns * PERIODS);
-        let [a, b] = at.currents;
-        let emf = self.back_emf * at.speed;
-        // sin(4 x) from sin(x) and cos(x).
-        let detent = self.detent_torque * 4.0 * sine * cosine * (cosine * cosine - sine * sine);
-        let torque = self.torque_constant() * (b * cosine - a * sine) - detent - self.drag * at.speed - load;
-        Slope {
-            currents: [
-                (voltages[0] - self.resistance * a + emf * sine) / self.inductance,
-                (voltages[1] - self.resistance * b - emf * cosine) / self.inductance,
-            ],
-            speed: torque / (self.inertia + load_inertia),
-            turns: at.speed / core::f64::consts::TAU,
-        }
-    }
-
-    /// Coulomb friction, which takes speed away but never turns it round.
-    fn rub(&self, state: MotorState, load_inertia: f64) -> MotorState {
-        let most = self.friction * STEP / (self.inertia + load_inertia);
-        let speed = if state.speed.abs() <= most {
-            0.0
-        } else {
-            state.speed - most.copysign(state.speed)
-        };
-        MotorState {
-            speed,
-            turns: state.turns + (speed - state.speed) * STEP / 2.0 / core::f64::consts::TAU,
-            ..state
-        }
-    }
 }

@@ -100,6 +100,7 @@ pub const AS1050: MotorParameters = MotorParameters {
 };
 
 /// NEMA 23, 2.8 A, 56 mm, Trinamic; the detent torque is an estimate.
+#[expect(clippy::approx_constant, reason = "a data sheet's figure that happens to lie near 1 / pi")]
 pub const QSH5718_56: MotorParameters = MotorParameters {
     phases: Phases::Two,
     resistance: 0.9,

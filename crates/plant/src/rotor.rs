@@ -1,5 +1,7 @@
 //! The shaft of the motor, which follows the commanded field with a lag of first order.
 
+use crate::Turns;
+use crate::angle::lag;
 use board::{ELECTRICAL_PERIODS_PER_TURN, ElectricalAngle, Milliamps, TICK};
 
 /// Time constant with which the shaft follows the field: 100 us, the order of a loaded motor's stiff response far below resonance.
@@ -14,53 +16,16 @@ const GAIN: f64 = {
 /// The least current that holds the shaft against its own friction.
 const HOLDING_MINIMUM: Milliamps = Milliamps(20);
 
-/// A position of the shaft or the axis, in turns of the motor.
-#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct Turns(pub f64);
-
-/// The shaft.
-#[derive(Clone, Debug)]
-pub struct Rotor {
-    /// Position in electrical periods.
-    periods: f64,
-}
-
-impl Rotor {
-    /// A shaft at rest at `position`.
-    pub fn new(position: Turns) -> Self {
-        Self {
-            periods: position.0 * f64::from(ELECTRICAL_PERIODS_PER_TURN),
-        }
+/// Where a shaft is one tick later that a field pulls.
+///
+/// The field pulls the short way round, so a shaft that lags by more than half an electrical period falls back by whole periods:
+/// steps are lost as on a real motor.
+pub(crate) fn follow(shaft: Turns, angle: ElectricalAngle, amplitude: Milliamps) -> Turns {
+    if amplitude < HOLDING_MINIMUM {
+        return shaft;
     }
-
-    /// Where the shaft is.
-    pub fn position(&self) -> Turns {
-        Turns(self.periods / f64::from(ELECTRICAL_PERIODS_PER_TURN))
-    }
-
-    /// Moves towards the field for one tick.
-    ///
-    /// The field pulls the short way round, so a shaft that lags by more than half an electrical period falls back by whole periods:
-    /// steps are lost as on a real motor.
-    pub(crate) fn follow(&mut self, angle: ElectricalAngle, amplitude: Milliamps) {
-        if amplitude >= HOLDING_MINIMUM {
-            self.periods += GAIN * lag(angle, self.periods);
-        }
-    }
-
-    /// Keeps the shaft between mechanical stops.
-    pub(crate) fn stop_at(&mut self, stops: (Turns, Turns)) {
-        let periods = f64::from(ELECTRICAL_PERIODS_PER_TURN);
-        self.periods = self.periods.clamp(stops.0.0 * periods, stops.1.0 * periods);
-    }
-}
-
-/// How far a shaft at `periods` lags behind the field, in electrical periods from -0.5 to 0.5.
-fn lag(field: ElectricalAngle, periods: f64) -> f64 {
-    const PERIOD: f64 = (1_u64 << 32) as f64;
-    // The cast to i64 rounds towards zero and the one to u32 keeps the place within the period, also of negative positions.
-    let shaft = (periods * PERIOD) as i64 as u32;
-    f64::from(field.0.wrapping_sub(shaft) as i32) / PERIOD
+    let periods = shaft.0 * f64::from(ELECTRICAL_PERIODS_PER_TURN);
+    Turns(shaft.0 + GAIN * lag(angle, periods) / f64::from(ELECTRICAL_PERIODS_PER_TURN))
 }
 
 /// The currents in windings A and B of a field, by Bhaskara's approximation of the cosine (error below 0.2 % of the amplitude).
@@ -93,51 +58,48 @@ mod tests {
 
     #[test]
     fn shaft_closes_a_step_of_the_field_with_its_time_constant() {
-        let mut rotor = Rotor::new(Turns(0.0));
+        let mut shaft = Turns(0.0);
         for _ in 0..2 {
-            rotor.follow(field(0.001), Milliamps(3000));
+            shaft = follow(shaft, field(0.001), Milliamps(3000));
         }
-        let done = rotor.position().0 / 0.001;
+        let done = shaft.0 / 0.001;
         assert!((done - (1.0 - (-1.0_f64).exp())).abs() < 1e-3, "after one time constant {done}");
         for _ in 0..40 {
-            rotor.follow(field(0.001), Milliamps(3000));
+            shaft = follow(shaft, field(0.001), Milliamps(3000));
         }
-        assert!((rotor.position().0 - 0.001).abs() < 1e-8);
+        assert!((shaft.0 - 0.001).abs() < 1e-8);
     }
 
     #[test]
     fn shaft_follows_over_many_turns_and_loses_nothing() {
         for direction in [1.0, -1.0] {
-            let mut rotor = Rotor::new(Turns(0.0));
+            let mut shaft = Turns(0.0);
             let mut turns = 0.0;
             while turns < 30.0 {
                 turns += 20.0 * 50e-6;
-                rotor.follow(field(direction * turns), Milliamps(3000));
+                shaft = follow(shaft, field(direction * turns), Milliamps(3000));
             }
             for _ in 0..60 {
-                rotor.follow(field(direction * turns), Milliamps(3000));
+                shaft = follow(shaft, field(direction * turns), Milliamps(3000));
             }
-            assert!((rotor.position().0 - direction * turns).abs() < 1e-6);
+            assert!((shaft.0 - direction * turns).abs() < 1e-6);
         }
     }
 
     #[test]
     fn a_jump_of_more_than_half_a_period_loses_whole_periods() {
-        let mut rotor = Rotor::new(Turns(0.0));
+        let mut shaft = Turns(0.0);
         for _ in 0..100 {
-            rotor.follow(field(0.7 / 50.0), Milliamps(3000));
+            shaft = follow(shaft, field(0.7 / 50.0), Milliamps(3000));
         }
-        assert!(
-            (rotor.position().0 * 50.0 - -0.3).abs() < 1e-6,
-            "the shaft went to the nearest period"
-        );
+        assert!((shaft.0 * 50.0 - -0.3).abs() < 1e-6, "the shaft went to the nearest period");
     }
 
     #[test]
     fn without_current_the_shaft_stays() {
-        let mut rotor = Rotor::new(Turns(1.0));
-        rotor.follow(field(1.001), Milliamps(0));
-        assert_eq!(rotor.position(), Turns(1.0));
+        let mut shaft = Turns(1.0);
+        shaft = follow(shaft, field(1.001), Milliamps(0));
+        assert_eq!(shaft, Turns(1.0));
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The axis: end stops, two limit switches and a home switch.
 
-use crate::Turns;
+/// A position of the shaft or the axis, in turns of the motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct Turns(pub f64);
 
 /// The axis a motor moves, in turns of the motor. Position 0 is wherever the caller says.
 #[derive(Clone, Copy, Debug, PartialEq)]

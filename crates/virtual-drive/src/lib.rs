@@ -13,6 +13,7 @@
 //! | [`server`] | serving a segment to whatever master is on a link, or on two |
 //! | [`namespace`] | a network of one's own without root |
 //! | [`master`] | the built-in master |
+//! | [`motor`] | motors by name and by file, and their torque at each speed |
 //! | [`demo`] | the demonstration |
 //! | [`esi`] | the device description for engineering tools |
 //! | [`flash`] | the memory of a drive's parameters |
@@ -43,6 +44,7 @@ pub mod indicators;
 pub mod kept_folder;
 pub mod link;
 pub mod master;
+pub mod motor;
 pub mod namespace;
 pub mod program;
 pub mod segment;

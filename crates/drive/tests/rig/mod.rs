@@ -1,7 +1,7 @@
 //! A drive on a test rig: objects, network, supply, and switches that the shaft meets.
 #![allow(dead_code, reason = "every test file uses a part of the rig")]
 
-use board::{Actuators, INPUT_COUNT, InputLevels, Millivolts, Nanos, PowerStage, Sensors};
+use board::{Actuators, INPUT_COUNT, InputLevels, Milliamps, Millivolts, Nanos, PowerStage, Sensors};
 use dictionary::{AbortCode, Objects};
 use drive::{CurrentVector, Drive, DriveObjects, PowerState};
 
@@ -86,7 +86,7 @@ impl Rig {
             inputs: InputLevels(self.inputs | self.switches()),
             level_ages: self.level_ages,
             bus_voltage: self.bus,
-            ..Sensors::default()
+            phase_currents: self.phase_currents(),
         };
         self.actuators = self.drive.tick(&sensors, &mut self.objects);
         if let Some(CurrentVector { angle, .. }) = self.drive.current_vector() {
@@ -162,6 +162,15 @@ impl Rig {
         let slot = slot(index, sub);
         self.drive.check_write(&self.objects, slot, data)?;
         self.objects.store(slot, data)
+    }
+
+    /// Currents as an ideal motor has them: those that the last tick has commanded.
+    fn phase_currents(&self) -> [Milliamps; 2] {
+        let Some(CurrentVector { angle, amplitude }) = self.drive.current_vector() else {
+            return [Milliamps(0); 2];
+        };
+        let radians = f64::from(angle.0) / 2f64.powi(32) * std::f64::consts::TAU;
+        [radians.cos(), radians.sin()].map(|part| Milliamps((f64::from(amplitude.0) * part).round() as i32))
     }
 
     fn switches(&self) -> u8 {

@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::control::CONTROL_VARIABLE;
 use crate::master::sdo::Address;
+use crate::motor::{self, Motor};
 
 /// The address of `--udp` alone: this computer, the port of EtherCAT.
 const LOCAL_UDP: &str = "127.0.0.1:34980";
@@ -37,6 +38,8 @@ pub enum Command {
     /// Cable N leads to drive N from the one before it, cable 1 from the interface; a ring has one more, from its last drive to the redundant
     /// interface. The exit status is 0 when the order was carried out, and 1 when not.
     Cable(Cable),
+    /// List motors, show their values, and draw the torque they have at each speed
+    Motor(MotorOptions),
     /// List the drives on an interface, with the built-in master
     Scan(Scan),
     /// Read or write one object of a drive on an interface, with the built-in master
@@ -58,7 +61,42 @@ pub struct Demonstration {
     /// Let simulated time run as fast as it can: the same result on every machine
     #[arg(long)]
     pub lock_step: bool,
+    /// What hangs on the drive.
+    #[command(flatten)]
+    pub equipment: Equipment,
 }
+
+/// What hangs on every drive's terminals.
+#[derive(Debug, Args)]
+pub struct Equipment {
+    /// Motor: one of `usr2556e motor list`, or a TOML file as examples/motor.toml [default: qsh5718-56]
+    #[arg(long, value_name = "NAME|FILE", value_parser = find_motor)]
+    pub motor: Option<Motor>,
+    /// Supply voltage, 10 to 80; the drive works from 18 to 50 [default: the motor file's, or 36]
+    #[arg(long, value_name = "V", value_parser = supply)]
+    pub supply: Option<f64>,
+    /// Inertia that turns with the shaft, 0 to 10000000 [default: the motor file's, or 300]
+    #[arg(long, value_name = "G_CM2", value_parser = load_inertia)]
+    pub load_inertia: Option<f64>,
+}
+
+fn find_motor(text: &str) -> Result<Motor, String> {
+    Motor::find(text).map_err(|error| format!("{error:#}"))
+}
+
+fn supply(text: &str) -> Result<f64, String> {
+    let (low, high) = motor::SUPPLIES;
+    between(text, low, high)
+}
+
+/// An inertia in g cm^2, as one in kg m^2.
+fn load_inertia(text: &str) -> Result<f64, String> {
+    let (low, high) = motor::LOAD_INERTIAS;
+    between(text, low * GRAM_SQUARE_CENTIMETRES, high * GRAM_SQUARE_CENTIMETRES).map(|inertia| inertia / GRAM_SQUARE_CENTIMETRES)
+}
+
+/// In one kg m^2.
+const GRAM_SQUARE_CENTIMETRES: f64 = 1e7;
 
 /// What is served, for `run` and `exec`.
 #[derive(Debug, Args)]
@@ -82,6 +120,9 @@ pub struct Served {
     /// Lose the same frames as the run that named this number [default: others each time]
     #[arg(long, value_name = "N", requires = "lose")]
     pub seed: Option<u64>,
+    /// What hangs on every drive.
+    #[command(flatten)]
+    pub equipment: Equipment,
 }
 
 fn drift(text: &str) -> Result<f64, String> {
@@ -93,8 +134,12 @@ fn percentage(text: &str) -> Result<f64, String> {
 }
 
 fn within(text: &str, most: f64) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|number| (0.0..=most).contains(number));
-    number.ok_or_else(|| format!("a number from 0 to {most} is needed"))
+    between(text, 0.0, most)
+}
+
+fn between(text: &str, least: f64, most: f64) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| format!("a number from {least} to {most} is needed"))
 }
 
 /// Options of `run`.
@@ -172,6 +217,34 @@ pub enum CableAction {
         #[arg(value_name = "N")]
         drive: usize,
     },
+}
+
+/// Options of `motor`.
+#[derive(Debug, Args)]
+pub struct MotorOptions {
+    /// What to do.
+    #[command(subcommand)]
+    pub action: MotorAction,
+}
+
+/// What `motor` does.
+#[derive(Debug, Subcommand)]
+pub enum MotorAction {
+    /// List the motors with a name
+    List,
+    /// Show a motor's values and what follows from them
+    Show(MotorShow),
+}
+
+/// Options of `motor show`.
+#[derive(Debug, Args)]
+pub struct MotorShow {
+    /// One of `usr2556e motor list`, or a TOML file as examples/motor.toml
+    #[arg(value_name = "NAME|FILE", value_parser = find_motor)]
+    pub motor: Motor,
+    /// Write the values as such a file instead, to begin one of your own with
+    #[arg(long)]
+    pub toml: bool,
 }
 
 /// Where the drives are, for `scan`, `sdo` and `move`.

@@ -6,6 +6,7 @@
 //! | `demonstrate` | `usr2556e` alone |
 //! | `serve` | `run` and `exec` |
 //! | `cable` | `cable`: orders to a drive server |
+//! | `motor` | `motor`: motors and their torque |
 //! | `lead` | `scan`, `sdo`, `move`: the built-in master on an interface |
 //! | `export` | `esi` and `sii` |
 
@@ -14,6 +15,7 @@ mod cable;
 mod demonstrate;
 mod export;
 mod lead;
+mod motor;
 mod serve;
 
 use std::process::ExitCode;
@@ -32,6 +34,7 @@ pub fn run() -> ExitCode {
         Some(Command::Run(options)) => serve::run(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Exec(options)) => serve::exec(&options),
         Some(Command::Cable(options)) => cable::cable(&options).map(|()| ExitCode::SUCCESS),
+        Some(Command::Motor(options)) => motor::motor(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Scan(options)) => lead::scan(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Sdo(options)) => lead::sdo(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Move(options)) => lead::move_axis(&options),

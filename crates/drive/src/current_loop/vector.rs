@@ -1,0 +1,131 @@
+//! Vectors of the current plane and their rotation.
+//!
+//! With two phases the coordinates are those of windings A and B; with three they come from Clarke's transformation that keeps
+//! amplitudes: U lies along the first.
+
+use core::f32::consts::TAU;
+
+/// A current in ampere or a voltage in volt.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vector {
+    /// The part along winding A, or along the commanded direction in its frame.
+    pub a: f32,
+    /// The part along winding B, or a quarter of a period ahead of the commanded direction in its frame.
+    pub b: f32,
+}
+
+impl Vector {
+    /// The sum.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            a: self.a + other.a,
+            b: self.b + other.b,
+        }
+    }
+
+    /// The difference.
+    pub fn minus(self, other: Self) -> Self {
+        Self {
+            a: self.a - other.a,
+            b: self.b - other.b,
+        }
+    }
+
+    /// The multiple.
+    pub fn times(self, factor: f32) -> Self {
+        Self {
+            a: self.a * factor,
+            b: self.b * factor,
+        }
+    }
+
+    /// The scalar product.
+    pub fn dot(self, other: Self) -> f32 {
+        self.a * other.a + self.b * other.b
+    }
+}
+
+/// A direction in the plane: cosine and sine of an angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Direction {
+    /// The cosine.
+    pub cosine: f32,
+    /// The sine.
+    pub sine: f32,
+}
+
+impl Direction {
+    /// The direction of an angle in 2^-32 periods; cosine and sine are within 1e-7 of the truth.
+    pub fn of(angle: u32) -> Self {
+        // The nearest quarter and what is left of it, an eighth of a period to either side.
+        let quarter = angle.wrapping_add(1 << 29) >> 30;
+        let x = angle.wrapping_sub(quarter << 30) as i32 as f32 * (TAU / 4_294_967_296.0);
+        let (sine, cosine) = (sine(x), cosine(x));
+        let (cosine, sine) = match quarter & 3 {
+            0 => (cosine, sine),
+            1 => (-sine, cosine),
+            2 => (-cosine, -sine),
+            _ => (sine, -cosine),
+        };
+        Self { cosine, sine }
+    }
+
+    /// A vector of the frame that this direction leads, as it is in the plane.
+    pub fn out_of_frame(self, vector: Vector) -> Vector {
+        Vector {
+            a: vector.a * self.cosine - vector.b * self.sine,
+            b: vector.a * self.sine + vector.b * self.cosine,
+        }
+    }
+
+    /// A vector of the plane as it is in the frame that this direction leads.
+    pub fn into_frame(self, vector: Vector) -> Vector {
+        Vector {
+            a: vector.a * self.cosine + vector.b * self.sine,
+            b: vector.b * self.cosine - vector.a * self.sine,
+        }
+    }
+}
+
+/// Taylor's series; what it leaves out is below 4e-8 within an eighth of a period with the last term adjusted to that range.
+fn sine(x: f32) -> f32 {
+    let s = x * x;
+    x + x * s * (-1.666_666_5e-1 + s * (8.332_16e-3 - s * 1.951_529_6e-4))
+}
+
+/// As [`sine`].
+fn cosine(x: f32) -> f32 {
+    let s = x * x;
+    1.0 - 0.5 * s + s * s * (4.166_664_6e-2 + s * (-1.388_731_6e-3 + s * 2.443_315_7e-5))
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+
+    #[test]
+    fn cosine_and_sine_are_within_a_ten_millionth_all_the_way_round() {
+        for step in 0..1_000_000u32 {
+            let angle = step.wrapping_mul(4_294_967);
+            let radians = f64::from(angle) / 4_294_967_296.0 * std::f64::consts::TAU;
+            let direction = Direction::of(angle);
+            assert!((f64::from(direction.cosine) - radians.cos()).abs() < 1.2e-7, "cosine at {angle}");
+            assert!((f64::from(direction.sine) - radians.sin()).abs() < 1.2e-7, "sine at {angle}");
+        }
+    }
+
+    #[test]
+    fn out_of_a_frame_and_back_is_where_it_began() {
+        let vector = Vector { a: 3.0, b: -1.25 };
+        for angle in [0, 1 << 29, 0x5555_5555, 0x8000_0000, u32::MAX] {
+            let direction = Direction::of(angle);
+            let back = direction.into_frame(direction.out_of_frame(vector)).minus(vector);
+            assert!(back.dot(back) < 1e-12, "{angle}: {back:?}");
+        }
+        // A quarter of a period ahead of winding A lies winding B.
+        let turned = Direction::of(1 << 30).out_of_frame(Vector { a: 1.0, b: 0.0 });
+        assert_eq!(turned, Vector { a: 0.0, b: 1.0 });
+    }
+}

@@ -1,0 +1,187 @@
+//! The windings as the bridge sees them, whole or broken.
+//!
+//! All windings together act on the current vector by three symmetric matrices: resistance, inductance and back-EMF. With whole windings
+//! each is a plain number; a shorted one makes the two directions differ. A winding that cannot carry current confines the vector to the
+//! direction across it: what is left of the inverse inductance is the part along that direction.
+
+use board::TICK;
+
+use crate::faults::{Faults, TURNS_LEFT};
+use crate::motor::{MotorParameters, Phases};
+
+const STEP: f64 = TICK.0 as f64 * 1e-9;
+const SQRT_3_4: f64 = 0.866_025_403_784_438_6;
+
+/// The most windings a motor has.
+pub(crate) const MOST: usize = 3;
+
+/// A vector in the plane of the windings.
+pub(crate) type Vector = [f64; 2];
+
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// A symmetric matrix of two rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Symmetric {
+    aa: f64,
+    ab: f64,
+    bb: f64,
+}
+
+impl Symmetric {
+    /// The product of a vector with itself, times `factor`.
+    fn square([a, b]: Vector, factor: f64) -> Self {
+        Self {
+            aa: factor * a * a,
+            ab: factor * a * b,
+            bb: factor * b * b,
+        }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            aa: self.aa + other.aa,
+            ab: self.ab + other.ab,
+            bb: self.bb + other.bb,
+        }
+    }
+
+    fn inverse(self) -> Self {
+        let determinant = self.aa * self.bb - self.ab * self.ab;
+        Self {
+            aa: self.bb / determinant,
+            ab: -self.ab / determinant,
+            bb: self.aa / determinant,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn times(&self, [a, b]: Vector) -> Vector {
+        [self.aa * a + self.ab * b, self.ab * a + self.bb * b]
+    }
+}
+
+/// A set of windings, one bit for each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Set(pub(crate) u8);
+
+impl Set {
+    pub(crate) fn insert(&mut self, winding: usize) {
+        self.0 |= 1 << winding;
+    }
+}
+
+/// All windings of a motor.
+#[derive(Clone, Debug)]
+pub(crate) struct Windings {
+    pub(crate) phases: Phases,
+    /// The directions of the windings; without a third it is nought.
+    pub(crate) axes: [Vector; MOST],
+    /// Inductance of each winding.
+    pub(crate) inductances: [f64; MOST],
+    pub(crate) resistance: Symmetric,
+    pub(crate) inductance: Symmetric,
+    /// The share of the back-EMF that is left.
+    pub(crate) emf: Symmetric,
+    /// The inverse of the inductance, for each set of windings without current.
+    inverse: [Symmetric; 1 << MOST],
+    /// Windings whose wire is broken.
+    pub(crate) open: Set,
+}
+
+impl Windings {
+    /// Windings of a motor, with the resistance that each has in series.
+    pub(crate) fn new(motor: &MotorParameters, in_series: f64, faults: &Faults) -> Self {
+        let (axes, count, weight) = match motor.phases {
+            Phases::Two => ([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], 2, 1.0),
+            Phases::Three => ([[1.0, 0.0], [-0.5, SQRT_3_4], [-0.5, -SQRT_3_4]], 3, 2.0 / 3.0),
+        };
+        // The windings that faults are named after: A and B, or U and W.
+        let named = [0, count - 1];
+        let mut windings = Self {
+            phases: motor.phases,
+            axes,
+            inductances: [0.0; MOST],
+            resistance: Symmetric::default(),
+            inductance: Symmetric::default(),
+            emf: Symmetric::default(),
+            inverse: [Symmetric::default(); 1 << MOST],
+            open: Set::default(),
+        };
+        for winding in 0..count {
+            let is = |what: [bool; 2]| (0..2).any(|fault| what[fault] && named[fault] == winding);
+            let turns = if is(faults.shorted) { TURNS_LEFT } else { 1.0 };
+            let resistance = turns * motor.resistance + in_series;
+            // A time constant below a tick could not be integrated.
+            let inductance = (turns * turns * motor.inductance).max(resistance * STEP);
+            let along = |value: f64| Symmetric::square(axes[winding], weight * value);
+            windings.inductances[winding] = inductance;
+            windings.resistance = windings.resistance.plus(along(resistance));
+            windings.inductance = windings.inductance.plus(along(inductance));
+            windings.emf = windings.emf.plus(along(turns));
+            if is(faults.open) {
+                windings.open.insert(winding);
+            }
+        }
+        windings.inverse = core::array::from_fn(|set| windings.confined(Set(set as u8)));
+        windings
+    }
+
+    /// Number of windings.
+    pub(crate) fn count(&self) -> usize {
+        match self.phases {
+            Phases::Two => 2,
+            Phases::Three => 3,
+        }
+    }
+
+    fn confined(&self, without: Set) -> Symmetric {
+        match without.0.count_ones() {
+            0 => self.inductance.inverse(),
+            1 => {
+                let across = self.across(without);
+                Symmetric::square(across, 1.0 / dot(across, self.inductance.times(across)))
+            }
+            _ => Symmetric::default(),
+        }
+    }
+
+    /// The direction across the one winding of the set.
+    fn across(&self, set: Set) -> Vector {
+        let [a, b] = self.axes[set.0.trailing_zeros() as usize % MOST];
+        [-b, a]
+    }
+
+    /// The inverse of the inductance while a set of windings carries no current.
+    pub(crate) fn inverse(&self, without: Set) -> &Symmetric {
+        &self.inverse[usize::from(without.0) % (1 << MOST)]
+    }
+
+    /// What is left of a current vector when a set of windings carries no current any more.
+    pub(crate) fn without(&self, currents: Vector, set: Set) -> Vector {
+        match set.0.count_ones() {
+            0 => currents,
+            1 => {
+                let across = self.across(set);
+                across.map(|part| part * dot(across, currents))
+            }
+            _ => [0.0; 2],
+        }
+    }
+
+    /// The current of each winding.
+    pub(crate) fn currents(&self, vector: Vector) -> [f64; MOST] {
+        self.axes.map(|axis| dot(axis, vector))
+    }
+
+    /// The vector of voltages over the windings, each between its leg's terminal and the star, or between its two legs.
+    pub(crate) fn vector(&self, voltages: [f64; MOST]) -> Vector {
+        let [u, v, w] = voltages;
+        match self.phases {
+            Phases::Two => [u, v],
+            Phases::Three => [(2.0 * u - v - w) / 3.0, (v - w) / (2.0 * SQRT_3_4)],
+        }
+    }
+}
