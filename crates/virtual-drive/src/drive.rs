@@ -4,13 +4,13 @@ use board::{Actuators, Sensors, TICK};
 use device::Device;
 use drive::PowerState;
 use esc::{Chip, ChipConfig};
-use plant::{Plant, PlantConfig, Turns};
+use plant::{Plant, PlantConfig};
 use wire::Nanos;
 use wire::al::{AlState, AlStatusCode};
 
 use crate::flash::{self, Flash};
 use crate::indicators::Indicators;
-use crate::synchronism::Synchronism;
+use crate::motor_view::{MotorView, MotorWatch};
 
 /// How far the simulation may fall behind before time is skipped, as after the computer slept: one second of ticks.
 const MAX_BEHIND: Nanos = Nanos(1_000_000_000);
@@ -77,7 +77,7 @@ pub struct VirtualDrive {
     next_tick: Nanos,
     now: Nanos,
     indicators: Indicators,
-    synchronism: Synchronism,
+    motor: MotorWatch,
     /// The slave controller's resets that the device has followed.
     resets: u32,
 }
@@ -102,7 +102,7 @@ impl VirtualDrive {
             next_tick: TICK_PERIOD,
             now: Nanos(0),
             indicators: Indicators::new(config.ports),
-            synchronism: Synchronism::default(),
+            motor: MotorWatch::default(),
             resets: chip.resets(),
             config,
             chip,
@@ -161,8 +161,7 @@ impl VirtualDrive {
         self.actuators = self.device.tick(&mut self.chip, &mut self.memory, &self.sensors, now);
         self.sensors = self.plant.step(&self.actuators);
         let drive = self.device.drive();
-        self.synchronism
-            .observe(drive.current_vector(), drive.is_shaft_locked(), self.plant.shaft());
+        self.motor.observe(drive.current_vector(), drive.is_shaft_locked(), &self.plant);
         if now.0.is_multiple_of(LED_PERIOD.0) {
             self.light(now);
         }
@@ -218,9 +217,9 @@ impl VirtualDrive {
         &self.actuators
     }
 
-    /// Whether the shaft is where the drive believes it to be.
-    pub fn synchronism(&self) -> &Synchronism {
-        &self.synchronism
+    /// What only a simulation can see of the motor: where its shaft really is, whether steps were lost, and how near it is to that.
+    pub fn motor(&self) -> MotorView {
+        self.motor.view(&self.plant)
     }
 
     /// The LEDs on the drive's front.
@@ -240,7 +239,7 @@ impl VirtualDrive {
             error_code: objects.error_code,
             position: objects.position,
             velocity_rpm: objects.velocity,
-            shaft: self.plant.shaft(),
+            motor: self.motor(),
             indicators: self.indicators,
         }
     }
@@ -276,8 +275,8 @@ pub struct DriveStatus {
     pub position: i32,
     /// 0x606C in rpm.
     pub velocity_rpm: i32,
-    /// Where the shaft really is.
-    pub shaft: Turns,
+    /// What only a simulation can see.
+    pub motor: MotorView,
     /// The LEDs.
     pub indicators: Indicators,
 }

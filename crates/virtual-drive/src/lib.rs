@@ -6,6 +6,7 @@
 //! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
 //! | [`cables`] | the cables of a line or ring, to be cut and repaired |
 //! | [`control`] | orders to them from outside, through a Unix socket |
+//! | [`motor_view`] | what only a simulation can see of the motor |
 //! | [`synchronism`] | whether the shaft is where the drive believes it to be |
 //! | [`indicators`] | the LEDs on a drive's front |
 //! | [`clock`] | real time and lock-step |
@@ -45,6 +46,7 @@ pub mod kept_folder;
 pub mod link;
 pub mod master;
 pub mod motor;
+pub mod motor_view;
 pub mod namespace;
 pub mod program;
 pub mod segment;

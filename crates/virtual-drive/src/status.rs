@@ -25,7 +25,7 @@ impl fmt::Display for States<'_> {
         write!(
             f,
             "  position {:>11}  shaft {:>9.3} turns  {:>5} rpm",
-            status.position, status.shaft.0, status.velocity_rpm
+            status.position, status.motor.shaft.0, status.velocity_rpm
         )?;
         if status.error_code != 0 {
             write!(f, "  error 0x{:04X}", status.error_code)?;
@@ -37,12 +37,12 @@ impl fmt::Display for States<'_> {
 impl fmt::Display for DriveStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // By name: drawn as often as this line is, a flashing LED would show flashes that are not its own.
-        write!(f, "{}  LEDs: {}", States(self), self.indicators)
+        write!(f, "{}  motor: {}  LEDs: {}", States(self), self.motor, self.indicators)
     }
 }
 
-/// What there is to tell of each drive: rewritten in place on a terminal, with the LEDs on a line of their own, since many terminals are not
-/// wide enough for both; written anew when a state changes elsewhere. And a line for each change of a cable.
+/// What there is to tell of each drive: rewritten in place on a terminal, with motor and LEDs on lines of their own, since many terminals are
+/// not wide enough for all; written anew when a state changes or the first step is lost elsewhere. And a line for each change of a cable.
 pub struct StatusLines {
     bars: Vec<ProgressBar>,
     /// Draws the bars; nothing is drawn without it.
@@ -57,7 +57,7 @@ impl StatusLines {
     /// Lines for so many drives.
     pub fn new(drives: usize) -> Self {
         let frame = MultiProgress::new();
-        let style = ProgressStyle::with_template("{wide_msg}\n     {prefix}").unwrap_or_else(|_| ProgressStyle::default_spinner());
+        let style = ProgressStyle::with_template("{wide_msg}\n{prefix}").unwrap_or_else(|_| ProgressStyle::default_spinner());
         let lines = |_| {
             let bar = frame.add(ProgressBar::new_spinner());
             bar.set_style(style.clone());
@@ -81,14 +81,15 @@ impl StatusLines {
             let status = drive.status();
             if self.is_terminal {
                 self.bars[position].set_message(format!("{:>4} {}", position + 1, States(&status)));
-                self.bars[position].set_prefix(format!("LEDs: {}", status.indicators));
+                self.bars[position].set_prefix(format!("     motor: {}\n     LEDs: {}", status.motor, status.indicators));
             } else {
                 let state = format!(
-                    "{} {} {} {} {}",
+                    "{} {} {} {} {} {}",
                     status.al_state.name(),
                     status.al_status_code.code(),
                     status.power_state.name(),
                     status.mode,
+                    status.motor.lost_periods != 0,
                     status.indicators.without_activity()
                 );
                 if state != self.states[position] {

@@ -36,7 +36,7 @@ pub struct Outcome {
     pub report: Report,
     /// The capture of everything on the wire.
     pub capture: PathBuf,
-    /// The picture of positions and velocities.
+    /// The picture of positions, velocities, lag and currents.
     pub picture: PathBuf,
 }
 
@@ -55,9 +55,9 @@ pub fn run(output: &Path, clock: Clock, progress: &mut dyn session::Progress) ->
     fs::write(&picture, "").with_context(|| unwritable(&picture))?;
 
     let link = Rc::new(RefCell::new(InMemory::new(VirtualSegment::of(1), clock).with_recorder(recorder)));
-    let shaft = || link.borrow().segment().drives()[0].plant().shaft();
+    let motor = || link.borrow().segment().drives()[0].motor();
     let samples = master::run(&mut link.clone(), async |main, pace| {
-        session::hold(main, pace, &shaft, progress).await
+        session::hold(main, pace, &motor, progress).await
     })??;
 
     let recorder = link.borrow_mut().take_recorder();

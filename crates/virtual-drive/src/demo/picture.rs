@@ -1,13 +1,16 @@
-//! The picture of a demonstration: commanded and actual position and velocity over time.
+//! The picture of a demonstration: commanded and actual position and velocity, lag and currents over time.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::samples::{Sample, Samples};
 
-const SIZE: (u32, u32) = (1200, 900);
+const SIZE: (u32, u32) = (1200, 1500);
 /// Velocities are taken over this many cycles, so that whole pulses a cycle do not show as steps.
 const VELOCITY_WINDOW: usize = 8;
+
+const BLUE_INK: RGBColor = RGBColor(31, 119, 180);
+const RED_INK: RGBColor = RGBColor(214, 39, 40);
 
 /// A curve: name, colour, points of (seconds, value).
 struct Curve {
@@ -27,9 +30,15 @@ pub fn draw(samples: &Samples) -> anyhow::Result<String> {
     {
         let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
         area.fill(&WHITE)?;
-        let (upper, lower) = area.split_vertically(SIZE.1 / 2);
-        chart(&upper, "Position", "pulses", &positions(samples))?;
-        chart(&lower, "Velocity", "pulses/s", &velocities(samples))?;
+        let charts = [
+            ("Position", "pulses", positions(samples)),
+            ("Velocity", "pulses/s", velocities(samples)),
+            ("Lag of the shaft behind the field", "electrical degrees", lags(samples)),
+            ("Currents", "A", currents(samples)),
+        ];
+        for (area, (title, unit, curves)) in area.split_evenly((charts.len(), 1)).iter().zip(&charts) {
+            chart(area, title, unit, curves)?;
+        }
         area.present()?;
     }
     Ok(svg)
@@ -58,10 +67,10 @@ fn positions(samples: &Samples) -> Vec<Curve> {
         curve(samples, "target from the master (0x607A)", RGBColor(160, 160, 160), 5, |sample| {
             sample.target.map(f64::from)
         }),
-        curve(samples, "commanded by the drive (0x6064)", RGBColor(31, 119, 180), 3, |sample| {
+        curve(samples, "commanded by the drive (0x6064)", BLUE_INK, 3, |sample| {
             Some(f64::from(sample.commanded))
         }),
-        curve(samples, "actual, of the motor shaft", RGBColor(214, 39, 40), 1, |sample| {
+        curve(samples, "actual, of the motor shaft", RED_INK, 1, |sample| {
             Some(samples.shaft_from_home(sample))
         }),
     ]
@@ -72,6 +81,23 @@ fn velocities(samples: &Samples) -> Vec<Curve> {
         .try_into()
         .unwrap_or_else(|_| unreachable!("there are three positions"));
     [commanded, shaft].map(derivative).into()
+}
+
+/// Beyond 90 degrees the motor falls out of step.
+fn lags(samples: &Samples) -> Vec<Curve> {
+    vec![curve(samples, "lag; the motor gives all its torque at 90", RED_INK, 1, |sample| {
+        Some(sample.motor.lag * 360.0)
+    })]
+}
+
+fn currents(samples: &Samples) -> Vec<Curve> {
+    vec![
+        curve(samples, "winding A", BLUE_INK, 1, |sample| Some(sample.motor.currents[0])),
+        curve(samples, "winding B", RED_INK, 1, |sample| Some(sample.motor.currents[1])),
+        curve(samples, "out of the supply", RGBColor(40, 40, 40), 2, |sample| {
+            Some(sample.motor.supply_current)
+        }),
+    ]
 }
 
 /// The velocity of a position. Jumps of the position counter, as homing sets it, leave a gap.

@@ -3,10 +3,7 @@
 use std::fmt;
 
 use super::samples::{Phase, Samples};
-use super::session::{CYCLE, MOVE_TARGET, PULSES_PER_TURN};
-
-/// Pulses of one electrical period.
-const PULSES_PER_PERIOD: f64 = PULSES_PER_TURN / board::ELECTRICAL_PERIODS_PER_TURN as f64;
+use super::session::{CYCLE, MOVE_TARGET};
 
 /// The figures of a demonstration, positions in pulses, times in microseconds.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +14,12 @@ pub struct Report {
     pub move_end: i32,
     /// Largest distance of the shaft from the drive's commanded position while it moved after homing.
     pub shaft_lag: f64,
+    /// Largest lag of the shaft behind the field while it moved after homing, in electrical degrees: at 90 the motor gives all its torque.
+    pub field_lag: f64,
+    /// Smallest torque reserve while it moved after homing, from 0 to 1.
+    pub torque_reserve: f64,
+    /// Electrical periods lost from power-on to the end.
+    pub lost_periods: i64,
     /// The same at the end, at rest.
     pub shaft_error: f64,
     /// Largest difference of 0x607A and 0x6064 on the sine.
@@ -38,6 +41,9 @@ impl Report {
             home: (last(Phase::Homing).map_or(0, |sample| sample.commanded), samples.home),
             move_end: last(Phase::ProfilePosition).map_or(0, |sample| sample.commanded),
             shaft_lag: moving().map(|sample| lag(sample).abs()).fold(0.0, f64::max),
+            field_lag: moving().map(|sample| sample.motor.lag.abs() * 360.0).fold(0.0, f64::max),
+            torque_reserve: moving().filter_map(|sample| sample.motor.torque_reserve).fold(1.0, f64::min),
+            lost_periods: samples.cycles.last().map_or(0, |sample| sample.motor.lost_periods),
             shaft_error: last(Phase::Disabling).as_ref().map_or(0.0, lag),
             following_error: samples.of(Phase::CyclicPosition).map(following).max().unwrap_or(0),
             cycles: samples.cycles.len(),
@@ -49,15 +55,13 @@ impl Report {
 impl Report {
     /// What the shaft's place at the end says: a stepper loses whole electrical periods.
     fn lost_steps(&self) -> String {
-        let periods = (self.shaft_error / PULSES_PER_PERIOD).round();
-        if periods == 0.0 {
-            format!("no step lost ({:.2} pulses off at the end)", self.shaft_error.abs())
-        } else {
-            format!(
-                "{:.0} electrical periods lost ({:.1} pulses off at the end)",
-                periods.abs(),
+        match self.lost_periods {
+            0 => format!("no step lost ({:.2} pulses off at the end)", self.shaft_error.abs()),
+            lost => format!(
+                "{} electrical periods lost ({:.1} pulses off at the end)",
+                lost.abs(),
                 self.shaft_error
-            )
+            ),
         }
     }
 }
@@ -93,6 +97,12 @@ impl fmt::Display for Report {
             self.shaft_lag,
             self.lost_steps()
         )?;
+        writeln!(
+            f,
+            "  torque            at least {:.0} % of the pull-out torque in reserve; at most {:.0} electrical degrees behind the field",
+            self.torque_reserve * 100.0,
+            self.field_lag
+        )?;
         write!(
             f,
             "  cycle time        {CYCLE:?}, {} cycles, begun late by {median:.0} us (median), {p99:.0} us (99 %), {largest:.0} us (largest)",
@@ -105,17 +115,35 @@ impl fmt::Display for Report {
 mod tests {
     use super::*;
     use crate::demo::samples::Sample;
+    use crate::demo::session::PULSES_PER_TURN;
+    use crate::motor_view::MotorView;
+    use plant::Turns;
     use wire::Nanos;
+
+    /// A motor whose shaft is at a place in pulses, a tenth of an electrical period behind.
+    fn motor(shaft: f64, lost_periods: i64, torque_reserve: f64) -> MotorView {
+        MotorView {
+            shaft: Turns(shaft / PULSES_PER_TURN),
+            lag: -0.1,
+            lost_periods,
+            torque: 0.5,
+            torque_reserve: Some(torque_reserve),
+            currents: [1.0, 2.0],
+            bus_voltage: 36.0,
+            supply_current: 0.5,
+        }
+    }
 
     /// A demonstration of a few cycles at whose end the shaft is `lost` pulses away from where the drive believes it to be.
     fn report(lost: f64) -> Report {
+        let lost_periods = (lost / 200.0) as i64;
         let sample = |phase, commanded, shaft| Sample {
             time: Nanos(1000),
             due: Nanos(0),
             phase,
             target: Some(commanded + 7),
             commanded,
-            shaft,
+            motor: motor(shaft, lost_periods, if phase == Phase::CyclicPosition { 0.4 } else { 0.6 }),
         };
         let cycles = vec![
             sample(Phase::Homing, -29, 9_971.0),
@@ -130,7 +158,9 @@ mod tests {
     fn figures_are_those_of_the_samples() {
         let report = report(0.0);
         assert_eq!((report.home, report.move_end, report.following_error), ((-29, 10_000.0), 30_000, 7));
-        assert_eq!((report.shaft_lag, report.shaft_error, report.cycles), (4.5, 0.0, 4));
+        assert!((report.shaft_lag - 4.5).abs() < 1e-6 && report.shaft_error.abs() < 1e-6);
+        assert!((report.field_lag - 36.0).abs() < 1e-9);
+        assert_eq!((report.torque_reserve, report.lost_periods, report.cycles), (0.4, 0, 4));
         assert_eq!(report.lateness, (1.0, 1.0, 1.0));
     }
 

@@ -2,6 +2,9 @@
 
 use wire::Nanos;
 
+use super::session::PULSES_PER_TURN;
+use crate::motor_view::MotorView;
+
 /// The parts of a demonstration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
@@ -30,8 +33,8 @@ pub struct Sample {
     pub target: Option<i32>,
     /// 0x6064 as received, in pulses: where the drive commands the motor to be.
     pub commanded: i32,
-    /// Where the shaft really was, in pulses from where the axis stood at power-on.
-    pub shaft: f64,
+    /// The motor as it really was.
+    pub motor: MotorView,
 }
 
 /// A whole demonstration.
@@ -51,6 +54,6 @@ impl Samples {
 
     /// Where the shaft was, in pulses from home.
     pub fn shaft_from_home(&self, sample: &Sample) -> f64 {
-        sample.shaft - self.home
+        sample.motor.shaft.0 * PULSES_PER_TURN - self.home
     }
 }

@@ -6,7 +6,6 @@ use std::time::Duration;
 use anyhow::{Context, ensure};
 use ethercrab::MainDevice;
 use ethercrab::subdevice_group::PreOp;
-use plant::Turns;
 use wire::Nanos;
 
 use super::samples::{Phase, Sample, Samples};
@@ -14,6 +13,7 @@ use crate::master::axis::{Axis, AxisError, Exchange, HANDSHAKE_LIMIT, Operating}
 use crate::master::bring_up::{self, Group};
 use crate::master::process_data::{controlword, mode, statusword};
 use crate::master::{Pace, describe, sdo};
+use crate::motor_view::MotorView;
 
 /// Period of process data and SYNC0.
 pub const CYCLE: Duration = Duration::from_millis(1);
@@ -64,7 +64,7 @@ struct Stage<'a> {
     phase: Cell<Phase>,
     began: Cell<Nanos>,
     samples: RefCell<Samples>,
-    shaft: &'a dyn Fn() -> Turns,
+    motor: &'a dyn Fn() -> MotorView,
 }
 
 impl Stage<'_> {
@@ -75,7 +75,7 @@ impl Stage<'_> {
     }
 
     fn shaft_in_pulses(&self) -> f64 {
-        (self.shaft)().0 * PULSES_PER_TURN
+        (self.motor)().shaft.0 * PULSES_PER_TURN
     }
 
     fn see(&self, exchange: &Exchange) {
@@ -86,7 +86,7 @@ impl Stage<'_> {
             phase: self.phase.get(),
             target,
             commanded: exchange.inputs.position,
-            shaft: self.shaft_in_pulses(),
+            motor: (self.motor)(),
         });
         self.progress
             .borrow_mut()
@@ -96,11 +96,16 @@ impl Stage<'_> {
 
 /// Leads the drive from power-on through homing, a move and a sine, and back to PREOP.
 ///
-/// `shaft` tells where the motor's shaft really is.
+/// `motor` tells how the motor really is.
 ///
 /// # Errors
 /// The drive does not do what it should.
-pub async fn hold(main: &MainDevice<'_>, pace: &Pace, shaft: &dyn Fn() -> Turns, progress: &mut dyn Progress) -> anyhow::Result<Samples> {
+pub async fn hold(
+    main: &MainDevice<'_>,
+    pace: &Pace,
+    motor: &dyn Fn() -> MotorView,
+    progress: &mut dyn Progress,
+) -> anyhow::Result<Samples> {
     progress.begin("scanning the bus", Duration::from_millis(100));
     let group = bring_up::scan(main, pace).await.context("scanning the bus")?;
     ensure!(!group.is_empty(), "no drive answers on the bus");
@@ -117,7 +122,7 @@ pub async fn hold(main: &MainDevice<'_>, pace: &Pace, shaft: &dyn Fn() -> Turns,
         phase: Cell::new(Phase::Enabling),
         began: Cell::new(pace.now()),
         samples: RefCell::default(),
-        shaft,
+        motor,
     };
     let mut see = |exchange: &Exchange| stage.see(exchange);
     let mut axis = Axis::new(main, pace, Operating::Clocks(group), 0, &mut see);
