@@ -83,6 +83,8 @@ fn help_lists_every_command() {
         "run",
         "exec",
         "cable",
+        "fault",
+        "motor",
         "scan",
         "sdo",
         "move",

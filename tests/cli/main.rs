@@ -7,11 +7,13 @@
 //! | [`arguments`] | what cannot be meant |
 //! | [`network`] | interfaces and privileges |
 //! | [`cables`] | rings, and cables that are cut |
+//! | [`faults`] | windings, motor and supply that break |
 //! | [`exec`] | commands in a network of their own |
 
 mod arguments;
 mod cables;
 mod exec;
+mod faults;
 mod files;
 mod network;
 mod program;
@@ -23,7 +25,15 @@ use program::Outcome;
 type Case = (&'static str, fn() -> Outcome);
 
 fn main() -> std::process::ExitCode {
-    let cases = [arguments::CASES, files::CASES, network::CASES, exec::CASES, cables::CASES].concat();
+    let cases = [
+        arguments::CASES,
+        files::CASES,
+        network::CASES,
+        exec::CASES,
+        cables::CASES,
+        faults::CASES,
+    ]
+    .concat();
     let trials = cases.into_iter().map(|(name, case)| Trial::ignorable_test(name, case)).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

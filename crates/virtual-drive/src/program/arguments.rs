@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::breakdown::LARGEST_OFFSET;
 use crate::control::CONTROL_VARIABLE;
 use crate::master::sdo::Address;
 use crate::motor::{self, Motor};
@@ -40,6 +41,10 @@ pub enum Command {
     Cable(Cable),
     /// List motors, show their values, and draw the torque they have at each speed
     Motor(MotorOptions),
+    /// Break winding, motor or supply of a drive that is being served, list what is broken, or mend it
+    ///
+    /// The drive finds out by itself, as a real one does, or does not. The exit status is 0 when the order was carried out, and 1 when not.
+    Fault(Fault),
     /// List the drives on an interface, with the built-in master
     Scan(Scan),
     /// Read or write one object of a drive on an interface, with the built-in master
@@ -154,7 +159,7 @@ pub struct Run {
     /// Network interface of the master's second cable, for a ring: it is plugged into the last drive
     #[arg(long, value_name = "IFACE", conflicts_with = "udp")]
     pub redundant: Option<String>,
-    /// Take orders of `usr2556e cable` at this Unix socket, made for the time of serving
+    /// Take orders of `usr2556e cable` and `usr2556e fault` at this Unix socket, made for the time of serving
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
     /// What is served.
@@ -171,7 +176,7 @@ pub struct Exec {
     /// What is served.
     #[command(flatten)]
     pub served: Served,
-    /// The command and its arguments; it finds the interface's name in USR2556E_INTERFACE, and `usr2556e cable` its socket in
+    /// The command and its arguments; it finds the interface's name in USR2556E_INTERFACE, and `usr2556e cable` and `fault` their socket in
     /// USR2556E_CONTROL
     #[arg(last = true, required = true, value_name = "COMMAND")]
     pub command: Vec<std::ffi::OsString>,
@@ -245,6 +250,51 @@ pub struct MotorShow {
     /// Write the values as such a file instead, to begin one of your own with
     #[arg(long)]
     pub toml: bool,
+}
+
+/// Options of `fault`.
+#[derive(Debug, Args)]
+pub struct Fault {
+    /// Socket of the drive server, as given to `run --control`; `exec` names it to its command
+    #[arg(long, value_name = "PATH", env = CONTROL_VARIABLE)]
+    pub control: PathBuf,
+    /// Number of the drive, counted from 1
+    #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub drive: u16,
+    /// What to do.
+    #[command(subcommand)]
+    pub action: FaultAction,
+}
+
+/// What `fault` does.
+#[derive(Clone, Copy, Debug, Subcommand)]
+pub enum FaultAction {
+    /// List what is broken at all drives
+    List,
+    /// Break the wire of winding A (of U with three phases)
+    OpenA,
+    /// Break the wire of winding B (of W with three phases)
+    OpenB,
+    /// Short most turns of winding A (of U with three phases)
+    ShortedA,
+    /// Short most turns of winding B (of W with three phases)
+    ShortedB,
+    /// Keep the rotor from turning
+    StuckRotor,
+    /// Let the supply be off by some volts: a sag below 0, a surge above
+    Supply {
+        /// By how much
+        #[arg(value_name = "VOLTS", allow_negative_numbers = true, value_parser = offset)]
+        volts: f64,
+    },
+    /// Mend everything at the drive
+    Mend,
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    let most = f64::from(LARGEST_OFFSET) / 1000.0;
+    let number = text.parse::<f64>().ok().filter(|number| number.abs() <= most);
+    number.ok_or_else(|| format!("a number of volts from -{most} to {most} is needed"))
 }
 
 /// Where the drives are, for `scan`, `sdo` and `move`.
