@@ -41,7 +41,7 @@ fn two_transistors_and_both_legs_dead_time_take_from_a_winding() {
         let offset = sign * 3_000;
         let plant = settled(
             config,
-            [middle, middle, (middle as i32 + offset) as u16, (middle as i32 - offset) as u16].map(|x| x as u16),
+            [middle, middle, (middle as i32 + offset) as u16, (middle as i32 - offset) as u16],
         );
         let bus = plant.bus_voltage();
         let lost = 2.0 * 400e-9 / 50e-6 * bus * f64::from(sign);
