@@ -56,8 +56,9 @@ pub struct Setup {
 impl Setup {
     /// A motor without a load, behind a supply in V, with a current's peak in A.
     ///
-    /// The axis is free: no switches, no end stops. The drive has the current loop's gains that its own identification finds for this
-    /// motor, and no function at its outputs; all other objects are as at delivery.
+    /// The axis is free: no switches, no end stops. The drive knows the motor, as somebody would tell it who has its data sheet: resistance,
+    /// back-EMF, and the current loop's gains that its own identification would find. Its outputs have no function; all other objects are as
+    /// at delivery.
     pub fn of(motor: &MotorParameters, supply: f64, current: f64) -> Self {
         let far = Turns(f64::INFINITY);
         let opposite = Turns(f64::NEG_INFINITY);
@@ -80,6 +81,9 @@ impl Setup {
             auto_pi: 0,
             current_loop_kp: (motor.inductance * 1e6).round().clamp(100.0, 65_535.0) as u16,
             current_loop_ki: (motor.resistance * 1e3 / 5.0).round().clamp(0.0, 10_000.0) as u16,
+            resistance_set: (motor.resistance * 1e3).round().clamp(0.0, 10_000.0) as u16,
+            inductance_set: (motor.inductance * 1e3).round().clamp(1.0, 10.0) as u16,
+            bemf_coefficient: (motor.back_emf * 1e3).round().clamp(0.0, 1000.0) as u16,
             output_1_function: 0,
             output_2_function: 0,
             ..DriveObjects::new()
