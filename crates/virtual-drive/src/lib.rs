@@ -21,6 +21,7 @@
 //! | [`flash`] | the memory of a drive's parameters |
 //! | [`kept_folder`] | EEPROMs and parameters that outlast the program |
 //! | [`status`] | status lines |
+//! | [`test_bench`] | a drive and a motor without a network, with a load of any torque |
 //! | [`program`] | the command line |
 //!
 //! A test of one's own needs [`segment::VirtualSegment`] and [`segment::InMemory`], and no privileges:
@@ -55,3 +56,4 @@ pub mod segment;
 pub mod server;
 pub mod status;
 pub mod synchronism;
+pub mod test_bench;

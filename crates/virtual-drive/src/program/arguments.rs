@@ -239,6 +239,11 @@ pub enum MotorAction {
     List,
     /// Show a motor's values and what follows from them
     Show(MotorShow),
+    /// Find the torque that a motor carries at each speed, and draw it
+    ///
+    /// Simulates the drive's own control law on the motor: brings it to each speed, loads it more and more until it falls out of step, and puts
+    /// the formula's torque beside it. A bridge loses voltage by dead time and resistance, which the formula does not know.
+    PullOut(MotorPullOut),
 }
 
 /// Options of `motor show`.
@@ -295,6 +300,37 @@ fn offset(text: &str) -> Result<f64, String> {
     let most = f64::from(LARGEST_OFFSET) / 1000.0;
     let number = text.parse::<f64>().ok().filter(|number| number.abs() <= most);
     number.ok_or_else(|| format!("a number of volts from -{most} to {most} is needed"))
+}
+
+/// Options of `motor pull-out`.
+#[derive(Debug, Args)]
+pub struct MotorPullOut {
+    /// One of `usr2556e motor list`, or a TOML file as examples/motor.toml
+    #[arg(value_name = "NAME|FILE", value_parser = find_motor)]
+    pub motor: Motor,
+    /// Supply voltage, 18 to 50 [default: the motor file's, or 36]
+    #[arg(long, value_name = "V", value_parser = working_supply)]
+    pub supply: Option<f64>,
+    /// Peak of the phase current, 0.1 to 6 (0x2000) [default: the motor's rated one, 6 at the most]
+    #[arg(long, value_name = "A", value_parser = peak_current)]
+    pub current: Option<f64>,
+    /// Inertia that turns with the shaft, 0 to 10000000 [default: the motor file's, or 0]
+    #[arg(long, value_name = "G_CM2", value_parser = load_inertia)]
+    pub load_inertia: Option<f64>,
+    /// Number of speeds
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(2..=500))]
+    pub points: u16,
+    /// Picture to write
+    #[arg(long, value_name = "FILE.svg", default_value = "usr2556e-pull-out.svg")]
+    pub output: PathBuf,
+}
+
+fn working_supply(text: &str) -> Result<f64, String> {
+    between(text, 18.0, 50.0)
+}
+
+fn peak_current(text: &str) -> Result<f64, String> {
+    between(text, 0.1, 6.0)
 }
 
 /// Where the drives are, for `scan`, `sdo` and `move`.
