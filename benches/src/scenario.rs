@@ -24,6 +24,14 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// What comes after the begin.
+    pub fn follow(&self, core: &mut Core) {
+        for tick in 0..self.ticks {
+            (self.before_tick)(core, tick);
+            core.step();
+        }
+    }
+
     /// Runs it; with `counted`, its ticks go through [`counted_tick`](crate::firmware_core::counted_tick).
     ///
     /// # Panics
@@ -31,10 +39,7 @@ impl Scenario {
     pub fn run(&self, counted: bool) {
         let mut core = (self.begin)();
         core.counted = counted;
-        for tick in 0..self.ticks {
-            (self.before_tick)(&mut core, tick);
-            core.step();
-        }
+        self.follow(&mut core);
         let objects = &core.objects;
         assert!(
             (self.succeeded)(&core),
