@@ -120,6 +120,18 @@ impl Rig {
     }
 }
 
+/// A conversation with the one at `position` of drives in OP, after which the master stops dead: nothing is taken back.
+pub async fn operate<T>(
+    main: &MainDevice<'_>,
+    pace: &Pace,
+    drives: Operating,
+    position: usize,
+    conversation: impl AsyncFnOnce(&mut Axis<'_>) -> T,
+) -> T {
+    let mut unobserved = |_: &Exchange| ();
+    conversation(&mut Axis::new(main, pace, drives, position, &mut unobserved)).await
+}
+
 /// A conversation with the first of drives in OP, and back to PREOP.
 async fn lead<T>(main: &MainDevice<'_>, pace: &Pace, drives: Operating, conversation: impl AsyncFnOnce(&mut Axis<'_>) -> T) -> T {
     let mut unobserved = |_: &Exchange| ();
