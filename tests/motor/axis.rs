@@ -1,34 +1,35 @@
-//! A drive and a motor, with nothing but a stiff supply between them.
+//! A drive and a motor, with nothing but a bridge and a supply without losses between them.
 
-use board::{Actuators, Duty, LEG_COUNT, Milliamps, Millivolts, PowerStage, Sensors};
+use board::{Millivolts, Sensors};
 use drive::{CurrentVector, Drive, DriveObjects, PowerState};
-use plant::{MotorParameters, MotorState, Phases};
+use plant::{BridgeParameters, Faults, Load, MotorParameters, MotorState, Phases, Plant, PlantConfig, SupplyParameters, Travel, Turns};
 
-const SQRT_3: f64 = 1.732_050_807_568_877_2;
 const PULSES_PER_TURN: f64 = 10_000.0;
+/// No switch and no stop is as far away.
+const FAR: Turns = Turns(1e6);
 
 pub struct Axis {
     pub drive: Drive,
     pub objects: DriveObjects,
     pub motor: MotorParameters,
-    pub state: MotorState,
-    /// Supply in volt.
-    pub supply: f64,
+    pub plant: Plant,
+    sensors: Sensors,
     /// Torque in Nm against positive motion.
     pub load: f64,
-    /// Inertia of the load in kg m^2.
-    pub load_inertia: f64,
-    /// A rotor that is held.
-    pub blocked: bool,
     /// Where the drive has commanded the shaft to be, in turns.
     pub commanded: f64,
-    duties: Option<[Duty; LEG_COUNT]>,
     angle: Option<u32>,
 }
 
 impl Axis {
-    /// A motor at rest, and a drive with the gains of that motor and its rated current, or what the drive can give.
+    /// A motor at rest that turns its own inertia once more, and a drive with the gains of that motor and its rated current, or what the drive
+    /// can give.
     pub fn new(motor: MotorParameters, supply: f64) -> Self {
+        Self::with_inertia(motor, supply, motor.inertia)
+    }
+
+    /// The same with another load, in kg m^2.
+    pub fn with_inertia(motor: MotorParameters, supply: f64, inertia: f64) -> Self {
         let mut objects = DriveObjects::new();
         objects.output_2_function = 0;
         objects.filter_time = 0;
@@ -42,19 +43,25 @@ impl Axis {
         objects.mode = 3;
         let mut drive = Drive::new();
         drive.set_network(true);
+        let plant = Plant::new(lossless(motor, supply, inertia));
         Self {
             drive,
             objects,
             motor,
-            state: MotorState::default(),
-            supply,
+            sensors: plant.sensors(),
+            plant,
             load: 0.0,
-            load_inertia: motor.inertia,
-            blocked: false,
             commanded: 0.0,
-            duties: None,
             angle: None,
         }
+    }
+
+    /// Holds the rotor.
+    pub fn block(&mut self) {
+        self.plant.set_faults(Faults {
+            stuck_rotor: true,
+            ..Faults::default()
+        });
     }
 
     /// Brings the drive to Operation Enabled and through its shaft lock.
@@ -68,19 +75,11 @@ impl Axis {
     }
 
     pub fn tick(&mut self) {
-        let currents = self.leg_currents();
-        let sensors = Sensors {
-            bus_voltage: Millivolts((self.supply * 1000.0) as i32),
-            phase_currents: currents.map(|ampere| Milliamps((ampere * 1000.0).round() as i32)),
-            ..Sensors::default()
-        };
-        let actuators = self.drive.tick(&sensors, &mut self.objects);
-        let voltages = self.voltages(&actuators);
-        let before = self.state;
-        self.state = self.motor.step(before, voltages, self.load, self.load_inertia);
-        if self.blocked {
-            (self.state.turns, self.state.speed) = (before.turns, 0.0);
+        let actuators = self.drive.tick(&self.sensors, &mut self.objects);
+        if self.load != self.plant.config().load.torque {
+            self.plant.set_load_torque(self.load);
         }
+        self.sensors = self.plant.step(&actuators);
         if let Some(CurrentVector { angle, .. }) = self.drive.current_vector() {
             let before = self.angle.replace(angle.0).unwrap_or(angle.0);
             self.commanded += f64::from(angle.0.wrapping_sub(before) as i32) / 2f64.powi(32) / 50.0;
@@ -113,7 +112,7 @@ impl Axis {
 
     /// Electrical periods by which the shaft is behind the command.
     pub fn lag(&self) -> f64 {
-        (self.commanded - self.state.turns) * 50.0
+        (self.commanded - self.plant.shaft().0) * 50.0
     }
 
     /// Whether the shaft is still in the electrical period it belongs to.
@@ -121,31 +120,41 @@ impl Axis {
         self.lag().abs() < 0.75
     }
 
-    /// The amplitude of the measured current vector in ampere.
+    /// Currents, speed and angle of the motor.
+    pub fn state(&self) -> MotorState {
+        self.plant.motor()
+    }
+
+    /// The amplitude of the current vector in ampere.
     pub fn current(&self) -> f64 {
-        self.state.currents[0].hypot(self.state.currents[1])
+        let [a, b] = self.state().currents;
+        a.hypot(b)
     }
+}
 
-    fn voltages(&mut self, actuators: &Actuators) -> [f64; 2] {
-        let next = match actuators.stage {
-            PowerStage::Legs(duties) => Some(duties),
-            _ => None,
-        };
-        let Some(duties) = core::mem::replace(&mut self.duties, next) else {
-            return [0.0; 2];
-        };
-        let [u, v, w, x] = duties.map(|duty| f64::from(duty.0) / 65_536.0 * self.supply);
-        match self.motor.phases {
-            Phases::Two => [u - v, w - x],
-            Phases::Three => [(2.0 * u - v - w) / 3.0, (v - w) / SQRT_3],
-        }
-    }
-
-    fn leg_currents(&self) -> [f64; 2] {
-        let [a, b] = self.state.currents;
-        match self.motor.phases {
-            Phases::Two => [a, b],
-            Phases::Three => [a, -a / 2.0 - SQRT_3 / 2.0 * b],
-        }
+/// A motor on a free axis, with a bridge and a supply that lose nothing.
+fn lossless(motor: MotorParameters, supply: f64, inertia: f64) -> PlantConfig {
+    let defaults = PlantConfig::default();
+    PlantConfig {
+        travel: Travel {
+            negative_limit: Turns(-FAR.0),
+            positive_limit: FAR,
+            home: (FAR, FAR),
+            stops: (Turns(-FAR.0), FAR),
+        },
+        supply: Millivolts((supply * 1000.0) as i32),
+        source: SupplyParameters {
+            impedance: 1e-3,
+            consumption: 0.0,
+            capacitance: 1.0,
+        },
+        bridge: BridgeParameters {
+            on_resistance: 0.0,
+            dead_time: 0.0,
+            ..defaults.bridge
+        },
+        motor,
+        load: Load::inertia(inertia),
+        ..defaults
     }
 }

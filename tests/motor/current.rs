@@ -20,7 +20,7 @@ struct Step {
 
 /// Switches a current on at once, with the rotor held.
 fn step(axis: &mut Axis, milliampere: u16) -> Step {
-    axis.blocked = true;
+    axis.block();
     axis.objects.soft_lock_time = 0;
     axis.objects.peak_current = milliampere;
     for controlword in [0, 0x06, 0x06, 0x0F] {
@@ -127,7 +127,7 @@ fn at_the_end_of_a_tick_the_windings_have_the_current_that_it_has_commanded_at_a
             let vector = axis.drive.current_vector().expect("the power stage is on");
             let radians = f64::from(vector.angle.0) / 2f64.powi(32) * std::f64::consts::TAU + f64::from(axis.drive.current_loop().trim());
             let amplitude = f64::from(vector.amplitude.0) / 1000.0;
-            let [a, b] = axis.state.currents;
+            let [a, b] = axis.state().currents;
             let off = (a - amplitude * radians.cos()).hypot(b - amplitude * radians.sin());
             assert!(off < 0.03 * amplitude, "{name} at {speed}: {off} of {amplitude} A");
         }

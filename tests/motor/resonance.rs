@@ -4,8 +4,7 @@ use crate::axis::Axis;
 
 /// Root mean square of the speed's deviation, as a share of the speed, at the first resonance with a tenth of the holding torque as the load.
 fn ripple(name: &str, speed: f64, [amplitude, phase_a, phase_b]: [u16; 3]) -> f64 {
-    let mut axis = Axis::new(crate::motor(name), 24.0);
-    axis.load_inertia = 0.0;
+    let mut axis = Axis::with_inertia(crate::motor(name), 24.0, 0.0);
     axis.objects.harmonic_amplitude = amplitude;
     axis.objects.harmonic_phase_a = phase_a;
     axis.objects.harmonic_phase_b = phase_b;
@@ -17,7 +16,7 @@ fn ripple(name: &str, speed: f64, [amplitude, phase_a, phase_b]: [u16; 3]) -> f6
     let sum: f64 = (0..10_000)
         .map(|_| {
             axis.tick();
-            (axis.state.speed / wanted - 1.0).powi(2)
+            (axis.state().speed / wanted - 1.0).powi(2)
         })
         .sum();
     (sum / 10_000.0).sqrt()

@@ -119,9 +119,9 @@ fn reversals_lose_no_step_and_run_reverse_turns_the_shaft_the_other_way() {
                 }
                 let direction = if reverse == 1 { -speed } else { speed };
                 assert!(
-                    (axis.state.speed / std::f64::consts::TAU - direction).abs() < 0.5,
+                    (axis.state().speed / std::f64::consts::TAU - direction).abs() < 0.5,
                     "{name}: {}",
-                    axis.state.speed
+                    axis.state().speed
                 );
             }
         }
