@@ -39,7 +39,9 @@ mod terminals;
 pub mod travel;
 mod windings;
 
-use board::{Actuators, ElectricalAngle, INPUT_COUNT, InputLevels, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+use board::{
+    Actuators, Duty, ElectricalAngle, INPUT_COUNT, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors,
+};
 use bridge::Applied;
 pub use bridge::BridgeParameters;
 pub use energy::EnergyAccount;
@@ -132,6 +134,8 @@ pub struct Plant {
     terminals: Terminals,
     outputs: OutputLevels,
     phase_currents: [Milliamps; 2],
+    /// The duties that the next PWM period begins with.
+    duties: Option<[Duty; LEG_COUNT]>,
     bus_voltage: Millivolts,
     account: EnergyAccount,
 }
@@ -151,6 +155,7 @@ impl Plant {
             terminals: Terminals::new(&config),
             outputs: OutputLevels(0),
             phase_currents: [Milliamps(0); 2],
+            duties: None,
             account: EnergyAccount::default(),
             config,
         };
@@ -168,12 +173,25 @@ impl Plant {
         if let PowerStage::Field { angle, amplitude } = actuators.stage {
             self.follow(angle, amplitude);
         } else {
-            self.drive(actuators.stage);
+            let stage = self.preload(actuators.stage);
+            self.drive(stage);
             self.phase_currents = self.currents().map(|ampere| self.converter.current(ampere));
         }
         self.bus_voltage = self.converter.voltage(self.bus.voltage);
         let inputs = self.terminals.step(start, self.axis());
         self.sensors_with(inputs)
+    }
+
+    /// What the bridge does in the coming PWM period: switching off acts at once, duties wait for the period after theirs. Before the first ones, the
+    /// legs idle at half the supply.
+    fn preload(&mut self, stage: PowerStage) -> PowerStage {
+        const IDLE: [Duty; LEG_COUNT] = [Duty(1 << 15); LEG_COUNT];
+        let next = match stage {
+            PowerStage::Legs(duties) => Some(duties),
+            _ => None,
+        };
+        let present = core::mem::replace(&mut self.duties, next);
+        next.map_or(PowerStage::Off, |_| PowerStage::Legs(present.unwrap_or(IDLE)))
     }
 
     /// The ideal motor: no currents of its own, no inertia, nothing that it takes from the bus.
