@@ -5,26 +5,30 @@
 //! | [`vector`] | vectors of the current plane, sine and cosine |
 //! | [`gains`] | 0x200B: the registers' scales |
 //! | [`regulator`] | PI in the frame that turns with the command |
+//! | [`auto_zero`] | offsets of the current sensors |
+//! | [`identification`] | resistance and inductance of the motor, at the first enabling |
+//! | [`ripple`] | a winding's answer to a square wave |
 //! | [`bridge`] | limits of the supply, and duties, for two phases and three |
 //!
 //! The frame turns with the commanded vector, so that a motor that runs evenly has constant currents and voltages in it, and the
 //! regulators leave no error at any speed.
 
+pub mod auto_zero;
 mod bridge;
 mod gains;
+pub mod identification;
 mod regulator;
+mod ripple;
 mod vector;
 
 use board::{Milliamps, PowerStage, Sensors};
 
 use crate::objects::DriveObjects;
 use crate::power_stage::CurrentVector;
-use bridge::Bridge;
-pub use bridge::Phases;
+pub use bridge::{Bridge, Phases};
 pub use gains::Gains;
 use regulator::Regulator;
-use vector::Direction;
-pub use vector::Vector;
+pub use vector::{Direction, Vector};
 
 /// Measured currents beyond this are taken for it, in mA: more than any sensor of the drive reads.
 const MOST_MEASURED: i32 = 30_000;
@@ -62,6 +66,12 @@ impl CurrentLoop {
         *self = Self::default();
     }
 
+    /// Takes over from the identification, which has commanded `command` with this voltage in its frame.
+    pub fn resume(&mut self, command: CurrentVector, voltage: Vector) {
+        self.regulator.resume(voltage);
+        self.due = Some(command);
+    }
+
     /// The duties that bring the currents to `command` by the end of the tick.
     ///
     /// What is measured now is the end of the tick before, so the error is that against the vector of the tick before. The duties act in
@@ -88,6 +98,6 @@ impl CurrentLoop {
 }
 
 /// A current in ampere.
-fn ampere(current: Milliamps) -> f32 {
+pub(crate) fn ampere(current: Milliamps) -> f32 {
     current.0.clamp(-MOST_MEASURED, MOST_MEASURED) as f32 * 1e-3
 }
