@@ -198,6 +198,11 @@ impl Drive {
         self.commissioning.winding()
     }
 
+    /// The loop that makes this vector's current in the windings.
+    pub const fn current_loop(&self) -> &CurrentLoop {
+        &self.current_loop
+    }
+
     /// The inputs after filter, polarity and function.
     pub const fn signals(&self) -> &Signals {
         &self.signals
@@ -247,6 +252,7 @@ impl Drive {
             supply: sensors.bus_voltage.0 as f32 * 1e-3,
             // The gain is the inductance in microhenry (0x200B:02).
             inductance: f32::from(objects.current_loop_kp) * 1e-6,
+            harmonic: f32::from(objects.harmonic_amplitude) * 1e-3,
             phase_loss: objects.error_detection & protection::PHASE_LOSS != 0,
         };
         self.protection.tick(&view)
@@ -367,7 +373,7 @@ impl Drive {
         objects.digital_inputs = self.signals.digital_inputs();
         objects.input_level = u16::from(sensors.inputs.0 & 0x3F);
         objects.bus_voltage = (bus.0 / 10).clamp(0, 0xFFFF) as u16;
-        objects.torque = torque(sensors.phase_currents, objects.peak_current);
+        objects.torque = torque(sensors.phase_currents, objects);
     }
 
     /// The value of 0x200F (manual 2.2.15).
@@ -396,8 +402,12 @@ fn is_gap(method: i8) -> bool {
 }
 
 /// The current vector's amplitude in per mille of the operating current.
-fn torque(phase_currents: [Milliamps; 2], peak_current: u16) -> i16 {
-    let [a, b] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000).unsigned_abs());
-    let amplitude = (a * a + b * b).isqrt();
-    (amplitude * 1000 / u32::from(peak_current.max(1))).min(i16::MAX as u32) as i16
+fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
+    let [first, second] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000));
+    let across = match Phases::from_object(objects.motor_type) {
+        Phases::Two => second.unsigned_abs().pow(2),
+        Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
+    };
+    let amplitude = (first.unsigned_abs().pow(2) + across).isqrt();
+    (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
 }

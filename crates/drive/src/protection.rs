@@ -39,6 +39,8 @@ pub struct View {
     pub supply: f32,
     /// Inductance of a winding in henry, roughly.
     pub inductance: f32,
+    /// Share of the amplitude that the harmonic against resonance (0x2060) may take from a phase or add to it.
+    pub harmonic: f32,
     /// Whether a lost phase is a fault: bit 7 of 0x2056.
     pub phase_loss: bool,
 }
@@ -92,7 +94,7 @@ impl Protection {
         let advance = due.angle.0.wrapping_sub(self.angle.replace(due.angle).unwrap_or(due.angle).0) as i32;
         let speed = advance.unsigned_abs() as f32 * (core::f32::consts::TAU / 4_294_967_296.0 * TICKS_PER_SECOND as f32);
         let in_reach = view.supply > REACH * nothing * speed * view.inductance;
-        let wanted = shares(view.phases, Direction::of(due.angle.0)).map(|share| (share * amplitude).abs());
+        let wanted = shares(view.phases, Direction::of(due.angle.0)).map(|share| (share.abs() - view.harmonic) * amplitude);
         for ((missing, current), wanted) in self.missing.iter_mut().zip(currents).zip(wanted) {
             if current.abs() >= nothing {
                 *missing = 0.0;
@@ -137,6 +139,7 @@ mod tests {
             }),
             supply: 24.0,
             inductance: 2.5e-3,
+            harmonic: 0.0,
             phase_loss: true,
         }
     }
@@ -198,5 +201,17 @@ mod tests {
         };
         let ticks = (1..).find(|_| protection.tick(&open).is_some());
         assert_eq!(ticks, Some(101));
+    }
+
+    #[test]
+    fn a_phase_that_the_harmonic_may_take_to_zero_is_not_lost() {
+        let mut protection = Protection::default();
+        for _ in 0..100_000 {
+            let harmonic = View {
+                harmonic: 0.5,
+                ..view(29.0, Phases::Two, [false, true])
+            };
+            assert_eq!(protection.tick(&harmonic), None);
+        }
     }
 }

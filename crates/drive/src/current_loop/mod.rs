@@ -4,10 +4,12 @@
 //! |---|---|
 //! | [`vector`] | vectors of the current plane, sine and cosine |
 //! | [`gains`] | 0x200B: the registers' scales |
+//! | [`harmonic`] | 0x2060 to 0x2062: the harmonic against the first resonance |
 //! | [`regulator`] | PI in the frame that turns with the command |
 //! | [`auto_zero`] | offsets of the current sensors |
 //! | [`identification`] | resistance and inductance of the motor, at the first enabling |
 //! | [`ripple`] | a winding's answer to a square wave |
+//! | [`damper`] | trims the commanded angle against a swinging rotor |
 //! | [`bridge`] | limits of the supply, and duties, for two phases and three |
 //!
 //! The frame turns with the commanded vector, so that a motor that runs evenly has constant currents and voltages in it, and the
@@ -15,7 +17,9 @@
 
 pub mod auto_zero;
 mod bridge;
+mod damper;
 mod gains;
+mod harmonic;
 pub mod identification;
 mod regulator;
 mod ripple;
@@ -26,9 +30,12 @@ use board::{Milliamps, PowerStage, Sensors};
 use crate::objects::DriveObjects;
 use crate::power_stage::CurrentVector;
 pub use bridge::{Bridge, Phases};
+use damper::{Damper, Passed};
 pub use gains::Gains;
+use harmonic::Harmonic;
 use regulator::Regulator;
 pub use vector::{Direction, Vector};
+use vector::{angle_of, radians_of};
 
 /// Measured currents beyond this are taken for it, in mA: more than any sensor of the drive reads.
 const MOST_MEASURED: i32 = 30_000;
@@ -40,6 +47,12 @@ pub struct Settings {
     pub gains: Gains,
     /// Phases of the motor, 0x200C:01.
     pub phases: Phases,
+    /// Resistance of a winding in ohm: 0x200C:02 as identified if the drive sets the gains itself, else 0x200C:04.
+    pub resistance: f32,
+    /// Back-EMF in V s/rad of the shaft, 0x200C:06.
+    pub back_emf: f32,
+    /// The harmonic in the current, 0x2060 to 0x2062.
+    harmonic: Option<Harmonic>,
 }
 
 impl Settings {
@@ -48,6 +61,12 @@ impl Settings {
         Self {
             gains: Gains::from_objects(objects),
             phases: Phases::from_object(objects.motor_type),
+            resistance: f32::from(match objects.auto_pi {
+                0 => objects.resistance_set,
+                _ => objects.resistance_auto,
+            }) * 1e-3,
+            back_emf: f32::from(objects.bemf_coefficient) * 1e-3,
+            harmonic: Harmonic::from_objects(objects),
         }
     }
 }
@@ -58,6 +77,13 @@ pub struct CurrentLoop {
     regulator: Regulator,
     /// The vector commanded in the tick before, which is what the present measurement is to show.
     due: Option<CurrentVector>,
+    damper: Damper,
+    /// Currents measured in the tick before.
+    current: Vector,
+    /// The voltage commanded in the tick before, which acts now, and the one before that, which has just acted.
+    voltages: [Vector; 2],
+    trim: f32,
+    limited: bool,
 }
 
 impl CurrentLoop {
@@ -78,22 +104,58 @@ impl CurrentLoop {
     /// the PWM period after this tick, whose middle is a period and a half after the measurement; the voltage is turned by as much.
     pub fn tick(&mut self, command: CurrentVector, sensors: &Sensors, settings: &Settings) -> PowerStage {
         let due = self.due.replace(command).unwrap_or(command);
-        let advance = command.angle.0.wrapping_sub(due.angle.0) as i32;
-        let frame = Direction::of(due.angle.0);
-        let ahead = Direction::of(due.angle.0.wrapping_add(advance.wrapping_add(advance >> 1) as u32));
-
+        let turn = command.angle.0.wrapping_sub(due.angle.0) as i32;
         let measured = settings.phases.current(sensors.phase_currents.map(ampere));
-        let wanted = Vector {
-            a: ampere(due.amplitude),
-            b: 0.0,
+        let amplitude = ampere(due.amplitude);
+        let passed = Passed {
+            voltage: self.voltages[1],
+            current: self.current.plus(measured).times(0.5),
+            amplitude,
+            advance: radians_of(turn),
         };
-        let error = wanted.minus(frame.into_frame(measured));
-        let gains = &settings.gains;
+        let trim = self.damper.tick(&passed, settings.resistance, settings.back_emf);
+        let angle = due.angle.0.wrapping_add(angle_of(trim));
+        let frame = Direction::of(angle);
+        let ahead = Direction::of(angle.wrapping_add(turn.wrapping_add(turn >> 1) as u32));
+
+        let error = match settings.harmonic {
+            None => Vector { a: amplitude, b: 0.0 }.minus(frame.into_frame(measured)),
+            Some(harmonic) => {
+                let current = frame.out_of_frame(Vector { a: amplitude, b: 0.0 });
+                frame.into_frame(harmonic.added_to(current, amplitude, angle).minus(measured))
+            }
+        };
         let bridge = Bridge::at(sensors.bus_voltage, settings.phases);
-        let asked = self.regulator.voltage(error, gains);
-        let voltage = bridge.limited(ahead.out_of_frame(asked));
-        self.regulator.integrate(error, asked.minus(ahead.into_frame(voltage)), gains);
+        let asked = self.regulator.voltage(error, &settings.gains);
+        let wanted = ahead.out_of_frame(asked);
+        let voltage = bridge.limited(wanted);
+        let excess = ahead.into_frame(wanted.minus(voltage));
+        self.regulator.integrate(error, excess, &settings.gains);
+
+        self.current = measured;
+        self.voltages = [voltage, self.voltages[0]];
+        (self.trim, self.limited) = (trim, voltage != wanted);
         PowerStage::Legs(bridge.duties(voltage))
+    }
+
+    /// The measured current in ampere.
+    pub const fn current(&self) -> Vector {
+        self.current
+    }
+
+    /// The commanded voltage over the windings in volt.
+    pub const fn voltage(&self) -> Vector {
+        self.voltages[0]
+    }
+
+    /// Whether the supply gives less voltage than the currents need, as it does at speed: torque falls from there on.
+    pub const fn is_at_voltage_limit(&self) -> bool {
+        self.limited
+    }
+
+    /// Radians of the electrical period by which the damper turns the commanded vector.
+    pub const fn trim(&self) -> f32 {
+        self.trim
     }
 }
 

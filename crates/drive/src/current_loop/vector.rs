@@ -59,7 +59,7 @@ impl Direction {
     pub fn of(angle: u32) -> Self {
         // The nearest quarter and what is left of it, an eighth of a period to either side.
         let quarter = angle.wrapping_add(1 << 29) >> 30;
-        let x = angle.wrapping_sub(quarter << 30) as i32 as f32 * (TAU / 4_294_967_296.0);
+        let x = radians_of(angle.wrapping_sub(quarter << 30) as i32);
         let (sine, cosine) = (sine(x), cosine(x));
         let (cosine, sine) = match quarter & 3 {
             0 => (cosine, sine),
@@ -85,6 +85,16 @@ impl Direction {
             b: vector.b * self.cosine - vector.a * self.sine,
         }
     }
+}
+
+/// The angle of that many radians in 2^-32 periods, within half a period.
+pub fn angle_of(radians: f32) -> u32 {
+    (radians * (4_294_967_296.0 / TAU)) as i32 as u32
+}
+
+/// The radians of an angle in 2^-32 periods, within half a period to either side.
+pub fn radians_of(angle: i32) -> f32 {
+    angle as f32 * (TAU / 4_294_967_296.0)
 }
 
 /// Taylor's series; what it leaves out is below 4e-8 within an eighth of a period with the last term adjusted to that range.
@@ -127,5 +137,12 @@ mod tests {
         // A quarter of a period ahead of winding A lies winding B.
         let turned = Direction::of(1 << 30).out_of_frame(Vector { a: 1.0, b: 0.0 });
         assert_eq!(turned, Vector { a: 0.0, b: 1.0 });
+    }
+
+    #[test]
+    fn angles_and_radians_go_both_ways() {
+        assert_eq!(angle_of(-TAU / 4.0), 0xC000_0000);
+        assert_eq!(angle_of(0.0), 0);
+        assert_eq!(radians_of(i32::MIN / 2), -TAU / 4.0);
     }
 }
