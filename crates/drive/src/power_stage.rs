@@ -25,6 +25,8 @@ pub struct Current {
     /// Ticks since the motor was switched on, up to the end of the shaft lock.
     lock_ticks: u32,
     locked: bool,
+    /// What the current does not fall below in the shaft lock, as the identification has left it.
+    least: u32,
     /// Ticks without motion, up to the end of the standby ramp.
     idle_ticks: u32,
 }
@@ -38,6 +40,12 @@ impl Current {
     /// The motor is switched off; the next time it is switched on, its shaft is locked anew.
     pub fn off(&mut self) {
         *self = Self::default();
+    }
+
+    /// A tick in which the identification drives the current, up to this amplitude. It counts for the shaft lock, which does not end by it.
+    pub fn await_identification(&mut self, amplitude: Milliamps, objects: &DriveObjects) {
+        self.lock_ticks = (self.lock_ticks + 1).min((u32::from(objects.soft_lock_time) * 2).saturating_sub(1));
+        self.least = amplitude.0.unsigned_abs();
     }
 
     /// The amplitude for this tick of a motor that is on. Standby ends in the tick in which motion begins.
@@ -64,7 +72,8 @@ impl Current {
             self.locked = true;
             return peak;
         }
-        (u64::from(peak) * u64::from(self.lock_ticks) / u64::from(duration)) as u32
+        let risen = (u64::from(peak) * u64::from(self.lock_ticks) / u64::from(duration)) as u32;
+        risen.max(self.least).min(peak)
     }
 }
 

@@ -6,31 +6,36 @@
 //! | [`gains`] | 0x200B: the registers' scales |
 //! | [`harmonic`] | 0x2060 to 0x2062: the harmonic against the first resonance |
 //! | [`regulator`] | PI in the frame that turns with the command |
+//! | [`auto_zero`] | offsets of the current sensors |
+//! | [`identification`] | resistance and inductance of the motor, at the first enabling |
+//! | [`ripple`] | a winding's answer to a square wave |
 //! | [`damper`] | trims the commanded angle against a swinging rotor |
 //! | [`bridge`] | limits of the supply, and duties, for two phases and three |
 //!
 //! The frame turns with the commanded vector, so that a motor that runs evenly has constant currents and voltages in it, and the
 //! regulators leave no error at any speed.
 
+pub mod auto_zero;
 mod bridge;
 mod damper;
 mod gains;
 mod harmonic;
+pub mod identification;
 mod regulator;
+mod ripple;
 mod vector;
 
 use board::{Milliamps, PowerStage, Sensors};
 
 use crate::objects::DriveObjects;
 use crate::power_stage::CurrentVector;
-use bridge::Bridge;
-pub use bridge::Phases;
+pub use bridge::{Bridge, Phases};
 use damper::{Damper, Passed};
 pub use gains::Gains;
 use harmonic::Harmonic;
 use regulator::Regulator;
-pub use vector::Vector;
-use vector::{Direction, angle_of, radians_of};
+pub use vector::{Direction, Vector};
+use vector::{angle_of, radians_of};
 
 /// Measured currents beyond this are taken for it, in mA: more than any sensor of the drive reads.
 const MOST_MEASURED: i32 = 30_000;
@@ -85,6 +90,12 @@ impl CurrentLoop {
     /// No current is commanded: the loop begins anew when one is.
     pub fn off(&mut self) {
         *self = Self::default();
+    }
+
+    /// Takes over from the identification, which has commanded `command` with this voltage in its frame.
+    pub fn resume(&mut self, command: CurrentVector, voltage: Vector) {
+        self.regulator.resume(voltage);
+        self.due = Some(command);
     }
 
     /// The duties that bring the currents to `command` by the end of the tick.
@@ -149,6 +160,6 @@ impl CurrentLoop {
 }
 
 /// A current in ampere.
-fn ampere(current: Milliamps) -> f32 {
+pub(crate) fn ampere(current: Milliamps) -> f32 {
     current.0.clamp(-MOST_MEASURED, MOST_MEASURED) as f32 * 1e-3
 }
