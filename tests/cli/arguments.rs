@@ -83,6 +83,7 @@ fn help_lists_every_command() {
         "run",
         "exec",
         "cable",
+        "motor",
         "scan",
         "sdo",
         "move",
@@ -90,5 +91,8 @@ fn help_lists_every_command() {
         "sii",
         "--output",
         "--lock-step",
+        "--motor",
+        "--supply",
+        "--load-inertia",
     ]);
 }
