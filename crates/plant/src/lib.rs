@@ -151,7 +151,7 @@ impl Plant {
         let mut plant = Self {
             faults: Faults::default(),
             machine: machine(&config, &Faults::default()),
-            state: State::at_rest(config.start.0),
+            state: State::of(at_rest(config.start)),
             bus_voltage: converter.voltage(bus.voltage),
             bus,
             converter,
@@ -201,7 +201,7 @@ impl Plant {
     fn follow(&mut self, angle: ElectricalAngle, amplitude: Milliamps) {
         let shaft = rotor::follow(self.shaft(), angle, amplitude);
         let (lowest, highest) = self.config.travel.stops;
-        self.state = State::at_rest(shaft.0.clamp(lowest.0, highest.0));
+        self.state = State::of(at_rest(Turns(shaft.0.clamp(lowest.0, highest.0))));
         self.phase_currents = rotor::phase_currents(angle, amplitude);
         self.bus.step(0.0);
     }
@@ -319,10 +319,16 @@ impl Plant {
 
     /// Moves the axis by hand; with the power stage on, the shaft then locks into the nearest electrical period.
     pub fn place(&mut self, position: Turns) {
+        self.set_motor(MotorState {
+            currents: self.state.motor.currents,
+            ..at_rest(position)
+        });
+    }
+
+    /// Gives the motor another state, and the load its speed and angle.
+    pub fn set_motor(&mut self, motor: MotorState) {
         let before = self.stored().stored();
-        let currents = self.state.motor.currents;
-        self.state = State::at_rest(position.0);
-        self.state.motor.currents = currents;
+        self.state = State::of(motor);
         self.account.hand += self.stored().stored() - before;
     }
 }
@@ -415,6 +421,13 @@ impl Plant {
 
 fn machine(config: &PlantConfig, faults: &Faults) -> Machine {
     Machine::new(&config.motor, config.bridge.in_series(config.motor.phases), &config.load, faults)
+}
+
+fn at_rest(position: Turns) -> MotorState {
+    MotorState {
+        turns: position.0,
+        ..MotorState::default()
+    }
 }
 
 fn volt(millivolts: Millivolts) -> f64 {

@@ -2,11 +2,11 @@
 """Writes tables.csv: what an independent solver makes of the motor's equations.
 
     python3 -m venv /tmp/reference && /tmp/reference/bin/pip install numpy scipy
-    /tmp/reference/bin/python crates/plant/tests/reference/generate.py
+    /tmp/reference/bin/python crates/plant/tests/physics/reference/generate.py
 
 The solver is scipy's DOP853, of the eighth order, with tolerances of 1e-11 and a fresh start at each control tick of 50 us, because the bridge's
 voltages jump there. The equations are written down here once more and share no code with the plant; the motors' data are read from
-src/motors.rs. A controller in the loop, the one of tests/controller/mod.rs, chooses the duties.
+src/motors.rs. A controller in the loop, the one of tests/physics/controller.rs, chooses the duties.
 
 Two runs for each motor at 24 V and 48 V, at the motor's rated current and with as much inertia again as its rotor has:
 - start: from rest to 3 turns a second within 150 ms, through the first resonance. Without Coulomb friction: at rest it is a set-valued
@@ -33,7 +33,7 @@ PARTS = ("resistance", "inductance", "rated_current", "back_emf", "detent_torque
 
 def motors():
     """Names and data of the named motors."""
-    text = (HERE / "../../src/motors.rs").read_text()
+    text = (HERE / "../../../src/motors.rs").read_text()
     data = {}
     for name, body in re.findall(r"pub const (\w+): MotorParameters = MotorParameters \{(.*?)\};", text, re.S):
         values = dict(re.findall(r"(\w+): ([\w:.-]+),", body))
