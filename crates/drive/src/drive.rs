@@ -6,7 +6,7 @@ use dictionary::AbortCode;
 use crate::alarm::{Alarm, AlarmLed, Light};
 use crate::brake::Brake;
 use crate::controlword::{Controlword, StartEdge};
-use crate::current_loop::{self, CurrentLoop};
+use crate::current_loop::{self, CurrentLoop, Phases};
 use crate::faults::{Fault, Faults};
 use crate::homing::Method;
 use crate::inputs::{Inputs, Signals};
@@ -181,6 +181,11 @@ impl Drive {
         self.vector
     }
 
+    /// The loop that makes this vector's current in the windings.
+    pub const fn current_loop(&self) -> &CurrentLoop {
+        &self.current_loop
+    }
+
     /// The inputs after filter, polarity and function.
     pub const fn signals(&self) -> &Signals {
         &self.signals
@@ -299,7 +304,7 @@ impl Drive {
         objects.digital_inputs = self.signals.digital_inputs();
         objects.input_level = u16::from(sensors.inputs.0 & 0x3F);
         objects.bus_voltage = (bus.0 / 10).clamp(0, 0xFFFF) as u16;
-        objects.torque = torque(sensors.phase_currents, objects.peak_current);
+        objects.torque = torque(sensors.phase_currents, objects);
     }
 
     /// The value of 0x200F (manual 2.2.15).
@@ -328,8 +333,12 @@ fn is_gap(method: i8) -> bool {
 }
 
 /// The current vector's amplitude in per mille of the operating current.
-fn torque(phase_currents: [Milliamps; 2], peak_current: u16) -> i16 {
-    let [a, b] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000).unsigned_abs());
-    let amplitude = (a * a + b * b).isqrt();
-    (amplitude * 1000 / u32::from(peak_current.max(1))).min(i16::MAX as u32) as i16
+fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
+    let [first, second] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000));
+    let across = match Phases::from_object(objects.motor_type) {
+        Phases::Two => second.unsigned_abs().pow(2),
+        Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
+    };
+    let amplitude = (first.unsigned_abs().pow(2) + across).isqrt();
+    (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
 }

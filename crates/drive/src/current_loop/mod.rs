@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`vector`] | vectors of the current plane, sine and cosine |
 //! | [`gains`] | 0x200B: the registers' scales |
+//! | [`harmonic`] | 0x2060 to 0x2062: the harmonic against the first resonance |
 //! | [`regulator`] | PI in the frame that turns with the command |
 //! | [`damper`] | trims the commanded angle against a swinging rotor |
 //! | [`bridge`] | limits of the supply, and duties, for two phases and three |
@@ -14,6 +15,7 @@
 mod bridge;
 mod damper;
 mod gains;
+mod harmonic;
 mod regulator;
 mod vector;
 
@@ -25,6 +27,7 @@ use bridge::Bridge;
 pub use bridge::Phases;
 use damper::{Damper, Passed};
 pub use gains::Gains;
+use harmonic::Harmonic;
 use regulator::Regulator;
 pub use vector::Vector;
 use vector::{Direction, angle_of, radians_of};
@@ -43,6 +46,8 @@ pub struct Settings {
     pub resistance: f32,
     /// Back-EMF in V s/rad of the shaft, 0x200C:06.
     pub back_emf: f32,
+    /// The harmonic in the current, 0x2060 to 0x2062.
+    harmonic: Option<Harmonic>,
 }
 
 impl Settings {
@@ -56,6 +61,7 @@ impl Settings {
                 _ => objects.resistance_auto,
             }) * 1e-3,
             back_emf: f32::from(objects.bemf_coefficient) * 1e-3,
+            harmonic: Harmonic::from_objects(objects),
         }
     }
 }
@@ -71,6 +77,8 @@ pub struct CurrentLoop {
     current: Vector,
     /// The voltage commanded in the tick before, which acts now, and the one before that, which has just acted.
     voltages: [Vector; 2],
+    trim: f32,
+    limited: bool,
 }
 
 impl CurrentLoop {
@@ -99,17 +107,44 @@ impl CurrentLoop {
         let frame = Direction::of(angle);
         let ahead = Direction::of(angle.wrapping_add(turn.wrapping_add(turn >> 1) as u32));
 
-        let wanted = Vector { a: amplitude, b: 0.0 };
-        let error = wanted.minus(frame.into_frame(measured));
+        let error = match settings.harmonic {
+            None => Vector { a: amplitude, b: 0.0 }.minus(frame.into_frame(measured)),
+            Some(harmonic) => {
+                let current = frame.out_of_frame(Vector { a: amplitude, b: 0.0 });
+                frame.into_frame(harmonic.added_to(current, amplitude, angle).minus(measured))
+            }
+        };
         let bridge = Bridge::at(sensors.bus_voltage, settings.phases);
         let asked = self.regulator.voltage(error, &settings.gains);
-        let voltage = bridge.limited(ahead.out_of_frame(asked));
-        let excess = asked.minus(ahead.into_frame(voltage));
+        let wanted = ahead.out_of_frame(asked);
+        let voltage = bridge.limited(wanted);
+        let excess = ahead.into_frame(wanted.minus(voltage));
         self.regulator.integrate(error, excess, &settings.gains);
 
         self.current = measured;
         self.voltages = [voltage, self.voltages[0]];
+        (self.trim, self.limited) = (trim, voltage != wanted);
         PowerStage::Legs(bridge.duties(voltage))
+    }
+
+    /// The measured current in ampere.
+    pub const fn current(&self) -> Vector {
+        self.current
+    }
+
+    /// The commanded voltage over the windings in volt.
+    pub const fn voltage(&self) -> Vector {
+        self.voltages[0]
+    }
+
+    /// Whether the supply gives less voltage than the currents need, as it does at speed: torque falls from there on.
+    pub const fn is_at_voltage_limit(&self) -> bool {
+        self.limited
+    }
+
+    /// Radians of the electrical period by which the damper turns the commanded vector.
+    pub const fn trim(&self) -> f32 {
+        self.trim
     }
 }
 
