@@ -58,7 +58,7 @@ pub fn legs(phases: Phases, [a, b]: [f64; 2]) -> [f64; 4] {
     }
 }
 
-/// A tick with the legs at duties.
+/// A tick at whose start the legs get duties for the next.
 pub fn step(plant: &mut Plant, duties: [Duty; 4]) {
     plant.step(&Actuators {
         stage: PowerStage::Legs(duties),
@@ -85,9 +85,15 @@ impl Field {
 
     /// A tick, while the field accelerates by turns a second each second.
     pub fn tick(&mut self, plant: &mut Plant, acceleration: f64) {
-        step(plant, duties(plant, self.amplitude, self.phase, self.speed));
+        let duties = self.duties(plant);
+        step(plant, duties);
         self.phase += PERIODS * (self.speed + acceleration * TICK / 2.0) * TICK;
         self.speed += acceleration * TICK;
+    }
+
+    /// The duties that the field wants in the period after the coming one.
+    pub fn duties(&self, plant: &Plant) -> [Duty; 4] {
+        duties(plant, self.amplitude, self.phase + PERIODS * self.speed * TICK, self.speed)
     }
 
     pub fn run(&mut self, plant: &mut Plant, seconds: f64, acceleration: f64) {

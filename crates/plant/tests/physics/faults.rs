@@ -79,10 +79,11 @@ fn a_shorted_winding_lets_the_current_out_of_hand_within_two_ticks() {
             let mut faults = Faults::default();
             faults.shorted[winding] = true;
             plant.set_faults(faults);
-            // Two ticks with the voltage that drove the whole winding, with the margin that a current loop has.
+            // Two ticks with the voltage that a current loop may give a whole winding, and one in which it waits for its PWM period.
             let duties = controller::duties(&plant, 2.0 * field.amplitude, field.phase, 0.0);
-            controller::step(&mut plant, duties);
-            controller::step(&mut plant, duties);
+            for _ in 0..3 {
+                controller::step(&mut plant, duties);
+            }
             let after = plant.currents()[winding];
             assert!(after > 12.0, "{}: from {before} to {after} A", motor.name);
             for _ in 0..2_000 {

@@ -42,11 +42,13 @@ fn every_named_motor_moves_as_an_independent_solver_says() {
         config.load = Load::inertia(motor.inertia);
         let mut plant = Plant::new(config);
         plant.set_motor(MotorState {
+            currents: [motor.rated_current, 0.0],
             speed: run.first * std::f64::consts::TAU,
             ..MotorState::default()
         });
         for tick in 0..run.ticks {
-            let time = f64::from(tick) * controller::TICK;
+            // What is commanded now acts in the next period.
+            let time = f64::from(tick + 1) * controller::TICK;
             let phase = controller::PERIODS * (run.first * time + run.acceleration * time * time / 2.0);
             let speed = run.first + run.acceleration * time;
             let duties = controller::duties(&plant, motor.rated_current, phase, speed);
