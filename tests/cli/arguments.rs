@@ -92,5 +92,8 @@ fn help_lists_every_command() {
         "sii",
         "--output",
         "--lock-step",
+        "--motor",
+        "--supply",
+        "--load-inertia",
     ]);
 }

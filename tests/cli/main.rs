@@ -5,6 +5,7 @@
 //! | [`program`] | starting the program, and what it has left behind |
 //! | [`files`] | the demonstration, exports, EEPROM files, captures |
 //! | [`arguments`] | what cannot be meant |
+//! | [`motor`] | motors, and the motor of a drive |
 //! | [`network`] | interfaces and privileges |
 //! | [`cables`] | rings, and cables that are cut |
 //! | [`faults`] | windings, motor and supply that break |
@@ -15,6 +16,7 @@ mod cables;
 mod exec;
 mod faults;
 mod files;
+mod motor;
 mod network;
 mod program;
 
@@ -28,6 +30,7 @@ fn main() -> std::process::ExitCode {
     let cases = [
         arguments::CASES,
         files::CASES,
+        motor::CASES,
         network::CASES,
         exec::CASES,
         cables::CASES,

@@ -23,7 +23,9 @@ use std::time::Duration;
 use board::{Millivolts, Sensors, TICK, TICKS_PER_SECOND};
 use drive::faults::Fault;
 use drive::{Drive, DriveObjects, PowerState};
-use plant::{BridgeParameters, Load, MotorParameters, Phases, Plant, PlantConfig, SupplyParameters, Travel, Turns};
+use plant::{BridgeParameters, Load, MotorParameters, Plant, PlantConfig, SupplyParameters, Travel, Turns};
+
+use crate::motor::commissioning::Commissioning;
 
 /// Electrical periods in a turn.
 const PERIODS: f64 = board::ELECTRICAL_PERIODS_PER_TURN as f64;
@@ -74,20 +76,18 @@ impl Setup {
             load: Load::inertia(0.0),
             ..PlantConfig::default()
         };
-        let objects = DriveObjects {
+        let mut objects = DriveObjects {
             mode: PROFILE_VELOCITY,
-            peak_current: (current * 1e3).round().clamp(100.0, 6000.0) as u16,
-            motor_type: (motor.phases == Phases::Three).into(),
             auto_pi: 0,
             current_loop_kp: (motor.inductance * 1e6).round().clamp(100.0, 65_535.0) as u16,
             current_loop_ki: (motor.resistance * 1e3 / 5.0).round().clamp(0.0, 10_000.0) as u16,
             resistance_set: (motor.resistance * 1e3).round().clamp(0.0, 10_000.0) as u16,
             inductance_set: (motor.inductance * 1e3).round().clamp(1.0, 10.0) as u16,
-            bemf_coefficient: (motor.back_emf * 1e3).round().clamp(0.0, 1000.0) as u16,
             output_1_function: 0,
             output_2_function: 0,
             ..DriveObjects::new()
         };
+        Commissioning::of(motor, current).write(&mut objects);
         Self { plant, objects }
     }
 

@@ -8,8 +8,10 @@
 //! | [`mistake`] | what is wrong with such a file |
 //! | [`pull_out`] | the torque at each speed, by formula and by simulation |
 //! | [`picture`] | the picture of it |
+//! | [`commissioning`] | what the drive has to be told about its motor |
 //! | [`figures`] | what follows from a motor's values |
 
+pub mod commissioning;
 pub mod figures;
 pub mod file;
 pub mod mistake;

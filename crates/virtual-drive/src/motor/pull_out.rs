@@ -10,9 +10,9 @@ use plant::Envelope;
 use crate::test_bench::{NotEnabled, Setup, TestBench};
 
 /// How long a load rises.
-const RISE: Duration = Duration::from_millis(200);
+const RISE: Duration = Duration::from_millis(500);
 /// Steps in which it rises.
-const RISE_STEPS: u32 = 100;
+const RISE_STEPS: u32 = 250;
 /// How long it then has to be carried. Hunting at middle speeds takes a few tenths of a second to grow.
 const HOLD: Duration = Duration::from_millis(500);
 /// How long the motor turns at its speed before it is loaded.

@@ -3,7 +3,9 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use board::Millivolts;
 use clap::{Args, Parser, Subcommand};
+use plant::PlantConfig;
 
 use crate::breakdown::LARGEST_OFFSET;
 use crate::control::CONTROL_VARIABLE;
@@ -74,7 +76,8 @@ pub struct Demonstration {
 /// What hangs on every drive's terminals.
 #[derive(Debug, Args)]
 pub struct Equipment {
-    /// Motor: one of `usr2556e motor list`, or a TOML file as examples/motor.toml [default: qsh5718-56]
+    /// Motor: one of `usr2556e motor list`, or a TOML file as examples/motor.toml. A drive that is served has to be told about it as a real one:
+    /// current 0x2000, number of phases 0x200C:01; the demonstration does so [default: qsh5718-56]
     #[arg(long, value_name = "NAME|FILE", value_parser = find_motor)]
     pub motor: Option<Motor>,
     /// Supply voltage, 10 to 80; the drive works from 18 to 50 [default: the motor file's, or 36]
@@ -83,6 +86,23 @@ pub struct Equipment {
     /// Inertia that turns with the shaft, 0 to 10000000 [default: the motor file's, or 300]
     #[arg(long, value_name = "G_CM2", value_parser = load_inertia)]
     pub load_inertia: Option<f64>,
+}
+
+impl Equipment {
+    /// The plant of a drive.
+    pub fn plant(&self) -> PlantConfig {
+        let mut plant = PlantConfig::default();
+        if let Some(motor) = &self.motor {
+            motor.install(&mut plant);
+        }
+        if let Some(volts) = self.supply {
+            plant.supply = Millivolts((volts * 1e3).round() as i32);
+        }
+        if let Some(inertia) = self.load_inertia {
+            plant.load.inertia = inertia;
+        }
+        plant
+    }
 }
 
 fn find_motor(text: &str) -> Result<Motor, String> {
