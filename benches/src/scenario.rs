@@ -247,10 +247,11 @@ fn profile_velocity(core: &mut Core, tick: u32) {
 
 /// Positions of an axis that swings to and fro within 100 ms, by up to 0.6 turns: parabolas, which need no float function.
 fn swing(tick: u32) -> i32 {
-    const HALF: i64 = 1000;
-    let (half, at) = (i64::from(tick) / HALF, i64::from(tick) % HALF);
-    let height = 6000 * 4 * at * (HALF - at) / (HALF * HALF);
-    (if half % 2 == 0 { height } else { -height }) as i32
+    const HALF: u32 = 1000;
+    let (half, at) = (tick / HALF, i64::from(tick % HALF));
+    let length = i64::from(HALF);
+    let height = 6000 * 4 * at * (length - at) / (length * length);
+    (if half.is_multiple_of(2) { height } else { -height }) as i32
 }
 
 fn cyclic_1_ms(core: &mut Core, tick: u32) {
@@ -310,7 +311,10 @@ fn changing_modes(core: &mut Core, tick: u32) {
     objects.homing_method = 27;
     objects.mode = MODES[number % MODES.len()];
     objects.target_position = objects.position.wrapping_add(4 * swing(tick));
-    objects.controlword = ENABLE_OPERATION | (START | IMMEDIATELY) * ((tick / MILLISECOND) as u16 % 2);
+    objects.controlword = match (tick / MILLISECOND).is_multiple_of(2) {
+        true => ENABLE_OPERATION,
+        false => ENABLE_OPERATION | START | IMMEDIATELY,
+    };
     core.set_point = Some(Nanos(1_000_000));
 }
 
@@ -354,5 +358,5 @@ fn all_inputs_ready() -> Core {
 /// All inputs change in the same tick, every other tick, while the axis follows set-points.
 fn all_inputs(core: &mut Core, tick: u32) {
     profile_position(core, tick);
-    core.hold(if tick / 2 % 2 == 0 { 0x3F } else { 0 });
+    core.hold(if (tick / 2).is_multiple_of(2) { 0x3F } else { 0 });
 }
