@@ -1,4 +1,5 @@
-//! What a control tick of 50 us costs: a whole virtual drive by `VirtualDrive::catch_up`, its firmware core alone and its plant alone.
+//! What a control tick of 50 us costs: a whole virtual drive by `VirtualDrive::catch_up`, its firmware core alone, its plant alone, and
+//! both of them with everything on.
 //!
 //! One iteration is a cycle of 1 ms with 20 ticks; times are CPU time per tick. In OP, the cycle begins with the master's frame, which is
 //! part of the time: a 20th of a frame is in each tick.
@@ -12,6 +13,7 @@ use benchmarks::bus::{Bus, Lockstep};
 use benchmarks::cpu_time::cpu_time;
 use benchmarks::cyclic::{Cycle, Image};
 use benchmarks::machine;
+use benchmarks::scenario::SCENARIOS;
 use board::{Actuators, ElectricalAngle, Milliamps, PowerStage, Sensors, TICK};
 use criterion::Criterion;
 use drive::{Drive, DriveObjects, PowerState};
@@ -28,6 +30,9 @@ const AMPLITUDE: f64 = 5000.0;
 
 /// What a moving drive may lag behind its target in pulses: a cycle of interpolation and the filter's 6.4 ms, at 31 pulses a ms.
 const MOST_LAG: i32 = 400;
+
+/// The scenarios that are timed.
+const TIMED: [&str; 3] = ["PP, set-points on the fly", "CSP, 1 ms", "homing, turned at a limit"];
 
 /// Target positions of a moving drive.
 fn sine(cycle: u64) -> i32 {
@@ -116,6 +121,23 @@ fn core_moving(criterion: &mut Criterion) {
     });
 }
 
+/// Firmware core and plant through some scenarios, everything on. An iteration is a whole run, divided by its ticks.
+fn everything_on(criterion: &mut Criterion) {
+    for scenario in SCENARIOS.iter().filter(|scenario| TIMED.contains(&scenario.name)) {
+        criterion.bench_function(&format!("Drive::tick and Plant::step, {}", scenario.name), |bencher| {
+            bencher.iter_custom(|runs| {
+                let run = |_| {
+                    let mut core = (scenario.begin)();
+                    let begin = cpu_time();
+                    scenario.follow(&mut core);
+                    cpu_time() - begin
+                };
+                (0..runs).map(run).sum::<Duration>() / scenario.ticks
+            });
+        });
+    }
+}
+
 /// A cycle's ticks.
 fn tick(core: &mut Drive, sensors: &Sensors, objects: &mut DriveObjects) {
     for _ in 0..TICKS {
@@ -168,5 +190,6 @@ fn main() {
     core_idle(&mut criterion);
     core_moving(&mut criterion);
     plant_step(&mut criterion);
+    everything_on(&mut criterion);
     criterion.final_summary();
 }

@@ -3,14 +3,14 @@
 use std::time::Duration;
 
 use device::layout::{self, SyncManager};
-use usr2556e::link::MAX_FRAME;
+use raw_master::{Datagram, Direction, fmmu, sync_manager};
 use usr2556e::master::process_data::{mode, statusword, towards_enabled};
 use wire::al::AlState;
-use wire::frame::{Command, FrameBuilder, Layout, physical_address};
-use wire::register::{self, AL_CONTROL, AL_STATUS, FMMU, FMMU_SIZE, SM, SM_SIZE, STATION_ADDRESS};
+use wire::frame::{Command, physical_address};
+use wire::register::{AL_CONTROL, AL_STATUS, FMMU, FMMU_SIZE, SM, SM_SIZE, STATION_ADDRESS};
 
 use crate::bus::Bus;
-use crate::cyclic::{Cycle, SOURCE};
+use crate::cyclic::Cycle;
 
 /// Time between two cyclic exchanges, and between two looks at a state.
 pub const CYCLE: Duration = Duration::from_millis(1);
@@ -41,8 +41,8 @@ pub fn to_op(bus: &mut impl Bus, cycle: &mut Cycle) {
         let [.., outputs, inputs] = &layout::SYNC_MANAGERS;
         set_sync_manager(bus, position, 2, outputs);
         set_sync_manager(bus, position, 3, inputs);
-        set_fmmu(bus, position, 0, cycle.outputs_at(position).start, outputs, 2);
-        set_fmmu(bus, position, 1, cycle.inputs_at(position).start, inputs, 1);
+        set_fmmu(bus, position, 0, cycle.outputs_at(position).start, outputs, Direction::Write);
+        set_fmmu(bus, position, 1, cycle.inputs_at(position).start, inputs, Direction::Read);
     }
     change_state(bus, drives, AlState::SafeOp);
     request_state(bus, drives, AlState::Op);
@@ -104,22 +104,12 @@ fn is_in(bus: &mut impl Bus, position: usize, state: AlState) -> bool {
 }
 
 fn set_sync_manager(bus: &mut impl Bus, position: usize, index: u16, sm: &SyncManager) {
-    let [start_low, start_high] = sm.start.to_le_bytes();
-    let [length_low, length_high] = sm.length.to_le_bytes();
-    let activate = register::sync_manager::ACTIVATE_ENABLE;
-    let bytes = [start_low, start_high, length_low, length_high, sm.control, 0, activate, 0];
+    let bytes = sync_manager(sm.start, sm.length, sm.control);
     write(bus, position, SM + SM_SIZE * index, &bytes);
 }
 
-/// `kind` is 1 for reading, 2 for writing.
-fn set_fmmu(bus: &mut impl Bus, position: usize, index: u16, logical: usize, sm: &SyncManager, kind: u8) {
-    let mut bytes = [0; FMMU_SIZE as usize];
-    bytes[..4].copy_from_slice(&(logical as u32).to_le_bytes());
-    bytes[4..6].copy_from_slice(&sm.length.to_le_bytes());
-    bytes[7] = 7;
-    bytes[8..10].copy_from_slice(&sm.start.to_le_bytes());
-    (bytes[11], bytes[12]) = (kind, 1);
-    write(bus, position, FMMU + FMMU_SIZE * index, &bytes);
+fn set_fmmu(bus: &mut impl Bus, position: usize, index: u16, logical: usize, sm: &SyncManager, direction: Direction) {
+    write(bus, position, FMMU + FMMU_SIZE * index, &fmmu(logical as u32, sm, direction));
 }
 
 fn write(bus: &mut impl Bus, position: usize, register: u16, data: &[u8]) {
@@ -133,15 +123,12 @@ fn write(bus: &mut impl Bus, position: usize, register: u16, data: &[u8]) {
 
 /// One datagram to one drive, which must answer it.
 fn access(bus: &mut impl Bus, command: Command, address: u32, data: &mut [u8]) {
-    let mut buffer = [0; MAX_FRAME];
-    let mut builder = FrameBuilder::new(&mut buffer, SOURCE).expect("room for the header");
-    builder.datagram(command, 0, address, data).expect("room for a few bytes");
-    let length = builder.finish();
-    let frame = &mut buffer[..length];
-    bus.exchange(frame);
-    let answer = Layout::of(frame)
-        .and_then(|layout| layout.walk().next(frame))
-        .expect("one datagram");
-    assert_eq!(answer.working_counter(), 1, "no drive answers {command:?} at {address:#010x}");
-    data.copy_from_slice(answer.data());
+    let mut datagrams = [Datagram::new(command, address, data.to_vec())];
+    raw_master::exchange(&mut datagrams, |frame| {
+        bus.exchange(frame);
+        true
+    });
+    let [answer] = datagrams;
+    assert_eq!(answer.counter, 1, "no drive answers {command:?} at {address:#010x}");
+    data.copy_from_slice(&answer.data);
 }

@@ -2,16 +2,13 @@
 
 use std::ops::Range;
 
-use usr2556e::link::MAX_FRAME;
+use raw_master::{MAX_FRAME, SOURCE};
 use usr2556e::master::process_data::{INPUT_LENGTH, Inputs, OUTPUT_LENGTH, Outputs};
 use wire::frame::{Command, Datagram, FrameBuilder, Layout, physical_address};
 use wire::register::DC_SYSTEM_TIME;
 
 use crate::bring_up::station;
 use crate::bus::Bus;
-
-/// The benchmark's own address; a drive sets bit 1 of its first byte.
-pub const SOURCE: [u8; 6] = [0x10; 6];
 
 /// Data that fit into one frame beside the clock's datagram.
 const MAX_DATA: usize = 1466;

@@ -6,6 +6,8 @@
 //! | [`bus`] | what frames go out on; [`bus::Lockstep`], drives in memory whose time the benchmark moves |
 //! | [`cyclic`] | the cyclic frames of N drives over their default process data |
 //! | [`bring_up`] | from power-on to Operation Enabled in CSP |
+//! | [`firmware_core`] | the firmware core before a plant, with everything on |
+//! | [`scenario`] | what it does there: every mode and every kind of surprise |
 //! | [`cpu_time`] | how long this thread has computed |
 //! | [`machine`] | one line about the machine |
 
@@ -13,4 +15,6 @@ pub mod bring_up;
 pub mod bus;
 pub mod cpu_time;
 pub mod cyclic;
+pub mod firmware_core;
 pub mod machine;
+pub mod scenario;

@@ -1,6 +1,7 @@
 //! The way to PREOP from wherever the drives are, and on to OP: what a master does first of all, and what must always work.
 
 use device::layout::SYNC_MANAGERS;
+use raw_master::{Direction, fmmu, sync_manager};
 use wire::EscAccess;
 use wire::al::AlState;
 use wire::register::{
@@ -116,22 +117,9 @@ fn mailboxes(length: u16) -> Vec<u8> {
         .collect()
 }
 
-fn sync_manager(start: u16, length: u16, control: u8) -> [u8; 8] {
-    let ([s0, s1], [l0, l1]) = (start.to_le_bytes(), length.to_le_bytes());
-    [s0, s1, l0, l1, control, 0, 1, 0]
-}
-
 /// The registers of the FMMU for a sync manager's process data: 64 bytes of logical addresses a drive, inputs behind outputs.
-fn logical(position: u16, index: usize) -> [u8; 16] {
-    let manager = SYNC_MANAGERS[index];
-    let inputs = index == 3;
-    let address = 0x1_0000 + 64 * u32::from(position) + 32 * u32::from(inputs);
-    let mut bytes = [0; 16];
-    bytes[..4].copy_from_slice(&address.to_le_bytes());
-    bytes[4..6].copy_from_slice(&manager.length.to_le_bytes());
-    bytes[7] = 7;
-    bytes[8..10].copy_from_slice(&manager.start.to_le_bytes());
-    bytes[11] = if inputs { 1 } else { 2 };
-    bytes[12] = 1;
-    bytes
+fn logical(position: u16, index: usize) -> [u8; FMMU_SIZE as usize] {
+    let (offset, direction) = if index == 3 { (32, Direction::Read) } else { (0, Direction::Write) };
+    let address = 0x1_0000 + 64 * u32::from(position) + offset;
+    fmmu(address, &SYNC_MANAGERS[index], direction)
 }

@@ -1,14 +1,11 @@
 //! Drives, the cables between them, time, and a plain master.
 
 use esc::{Chip, End, Processed, Segment, Side};
+use raw_master::Datagram;
 use usr2556e::drive::{DriveConfig, VirtualDrive};
 use wire::Nanos;
-use wire::frame::{Command, FrameBuilder, Layout, physical_address};
+use wire::frame::{Command, physical_address};
 
-/// Address of the master's network card.
-const SOURCE: [u8; 6] = [0x10; 6];
-/// Bytes of an Ethernet frame at the most.
-pub const MOST_BYTES: usize = 1514;
 /// Time that a frame of the plain master takes, in ns.
 const FRAME_TIME: u64 = 7_000;
 
@@ -84,38 +81,28 @@ impl Bus {
     /// Sends a frame of one datagram from the primary card, and lets the drives see to it. Puts the answer's data in place of what
     /// was sent, and returns the working counter; `None` if the frame is lost.
     pub fn ask(&mut self, command: Command, address: u32, data: &mut [u8]) -> Option<u16> {
-        let mut buffer = [0; MOST_BYTES];
-        let frame = self.send(&mut buffer, [(command, address, &*data)])?;
-        let answer = Layout::of(frame)?.walk().next(frame)?;
-        data.copy_from_slice(answer.data());
-        Some(answer.working_counter())
+        let mut datagrams = [Datagram::new(command, address, data.to_vec())];
+        let returned = self.send(&mut datagrams);
+        let [answer] = datagrams;
+        data.copy_from_slice(&answer.data);
+        returned.then_some(answer.counter)
     }
 
-    /// Sends a frame from the primary card, and lets the drives see to it. Returns what comes back, at whichever card.
-    fn send<'b, 'd>(
-        &mut self,
-        buffer: &'b mut [u8; MOST_BYTES],
-        datagrams: impl IntoIterator<Item = (Command, u32, &'d [u8])>,
-    ) -> Option<&'b [u8]> {
-        let mut builder = FrameBuilder::new(buffer, SOURCE).expect("there is room for a header");
-        for (command, address, data) in datagrams {
-            let added = builder.datagram(command, 0, address, data);
-            added.expect("a plain master's datagrams fit a frame");
-        }
-        let length = builder.finish();
-        let frame = &mut buffer[..length];
-        let (processed, exit) = self.pass(Side::Primary, frame);
-        self.wait(FRAME_TIME);
-        exit?;
-        assert_eq!(processed, Processed::Returned);
-        Some(frame)
+    /// Sends a frame from the primary card, and lets the drives see to it. Returns whether it comes back, at whichever card.
+    fn send(&mut self, datagrams: &mut [Datagram]) -> bool {
+        raw_master::exchange(datagrams, |frame| {
+            let (processed, exit) = self.pass(Side::Primary, frame);
+            self.wait(FRAME_TIME);
+            assert!(exit.is_none() || processed == Processed::Returned, "{processed:?}");
+            exit.is_some()
+        })
     }
 
     /// Writes several registers of every drive with one frame, which may be lost.
     pub fn write_all_at_once(&mut self, registers: &[(u16, &[u8])]) {
         let datagrams = registers.iter();
-        let datagrams = datagrams.map(|&(register, data)| (Command::Bwr, physical_address(0, register), data));
-        self.send(&mut [0; MOST_BYTES], datagrams);
+        let datagrams = datagrams.map(|&(register, data)| Datagram::new(Command::Bwr, physical_address(0, register), data.to_vec()));
+        self.send(&mut datagrams.collect::<Vec<_>>());
     }
 
     /// Writes the same to every drive; how many took it.

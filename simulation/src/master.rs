@@ -2,13 +2,13 @@
 
 use dictionary::MAX_VALUE_SIZE;
 use drive::DriveObjects;
+use raw_master::Datagram;
 use wire::al::AlState;
 use wire::frame::{self, Command};
 use wire::register as reg;
 
 use crate::Simulation;
 use crate::acts::parameters::slot;
-use crate::bus::Datagram;
 use crate::invariants::{Verdict, must};
 
 const MAILBOX_OUT: u16 = 0x1000;

@@ -83,6 +83,8 @@ fn help_lists_every_command() {
         "run",
         "exec",
         "cable",
+        "fault",
+        "motor",
         "scan",
         "sdo",
         "move",
@@ -90,5 +92,8 @@ fn help_lists_every_command() {
         "sii",
         "--output",
         "--lock-step",
+        "--motor",
+        "--supply",
+        "--load-inertia",
     ]);
 }

@@ -5,14 +5,18 @@
 //! | [`program`] | starting the program, and what it has left behind |
 //! | [`files`] | the demonstration, exports, EEPROM files, captures |
 //! | [`arguments`] | what cannot be meant |
+//! | [`motor`] | motors, and the motor of a drive |
 //! | [`network`] | interfaces and privileges |
 //! | [`cables`] | rings, and cables that are cut |
+//! | [`faults`] | windings, motor and supply that break |
 //! | [`exec`] | commands in a network of their own |
 
 mod arguments;
 mod cables;
 mod exec;
+mod faults;
 mod files;
+mod motor;
 mod network;
 mod program;
 
@@ -23,7 +27,16 @@ use program::Outcome;
 type Case = (&'static str, fn() -> Outcome);
 
 fn main() -> std::process::ExitCode {
-    let cases = [arguments::CASES, files::CASES, network::CASES, exec::CASES, cables::CASES].concat();
+    let cases = [
+        arguments::CASES,
+        files::CASES,
+        motor::CASES,
+        network::CASES,
+        exec::CASES,
+        cables::CASES,
+        faults::CASES,
+    ]
+    .concat();
     let trials = cases.into_iter().map(|(name, case)| Trial::ignorable_test(name, case)).collect();
     libtest_mimic::run(&Arguments::from_args(), trials).exit_code()
 }

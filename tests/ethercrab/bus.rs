@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use ethercrab::subdevice_group::{HasDc, Op};
 use ethercrab::{MainDevice, RegisterAddress, SubDeviceState};
-use rig::{CYCLE, Rig};
+use rig::{CYCLE, Rig, operate};
 use usr2556e::drive::DriveConfig;
 use usr2556e::master::Pace;
-use usr2556e::master::axis::{Axis, AxisError, Exchange, Operating};
+use usr2556e::master::axis::{AxisError, Operating};
 use usr2556e::master::bring_up::{self, Group};
 use usr2556e::master::process_data::{mode, statusword};
 use wire::al::{AlState, AlStatusCode};
@@ -128,16 +128,17 @@ fn three_drives_on_one_segment_move_each_for_itself() {
     let rig = Rig::new(3);
     rig.in_preop(async |main, pace, group| {
         let group = bring_up::to_op(main, pace, group, CYCLE).await.unwrap();
-        let mut unobserved = |_: &Exchange| ();
-        let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), 1, &mut unobserved);
-        axis.outputs.mode = mode::PROFILE_POSITION;
-        axis.enable().await.unwrap();
-        axis.set_point(5000, 0).await.unwrap();
-        axis.until("arrive", Duration::from_secs(5), |inputs| {
-            inputs.statusword & statusword::TARGET_REACHED != 0
+        operate(main, pace, Operating::Frames(group, CYCLE), 1, async |axis| {
+            axis.outputs.mode = mode::PROFILE_POSITION;
+            axis.enable().await.unwrap();
+            axis.set_point(5000, 0).await.unwrap();
+            axis.until("arrive", Duration::from_secs(5), |inputs| {
+                inputs.statusword & statusword::TARGET_REACHED != 0
+            })
+            .await
+            .unwrap();
         })
-        .await
-        .unwrap();
+        .await;
     });
     let positions = [0, 1, 2].map(|position| rig.look(position, |drive| drive.status().position));
     assert_eq!(positions, [0, 5000, 0]);
@@ -154,10 +155,11 @@ fn a_master_restarted_without_a_power_cycle_finds_the_drive_ready() {
             } else {
                 Operating::Frames(bring_up::to_op(main, pace, group, CYCLE).await.unwrap(), CYCLE)
             };
-            let mut unobserved = |_: &Exchange| ();
-            let mut axis = Axis::new(main, pace, drives, 0, &mut unobserved);
-            axis.outputs.mode = mode::PROFILE_POSITION;
-            axis.enable().await.unwrap();
+            operate(main, pace, drives, 0, async |axis| {
+                axis.outputs.mode = mode::PROFILE_POSITION;
+                axis.enable().await.unwrap();
+            })
+            .await;
         });
         assert_eq!(rig.look(0, |drive| drive.status().al_state), AlState::Op);
     }
@@ -168,10 +170,11 @@ fn silence_in_op_ends_in_safeop_with_the_watchdogs_code_and_a_communication_faul
     let rig = Rig::new(1);
     rig.in_preop(async |main, pace, group| {
         let group = bring_up::to_op(main, pace, group, CYCLE).await.unwrap();
-        let mut unobserved = |_: &Exchange| ();
-        let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), 0, &mut unobserved);
-        axis.outputs.mode = mode::PROFILE_POSITION;
-        axis.enable().await.unwrap();
+        operate(main, pace, Operating::Frames(group, CYCLE), 0, async |axis| {
+            axis.outputs.mode = mode::PROFILE_POSITION;
+            axis.enable().await.unwrap();
+        })
+        .await;
     });
     rig.idle(Duration::from_millis(90));
     assert_eq!(
@@ -199,11 +202,12 @@ fn a_power_cycle_in_op_is_seen_by_the_master() {
     let rig = Rig::new(1);
     rig.in_preop(async |main, pace, group| {
         let group = bring_up::to_op(main, pace, group, CYCLE).await.unwrap();
-        let mut unobserved = |_: &Exchange| ();
-        let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), 0, &mut unobserved);
-        axis.cycle().await.unwrap();
-        rig.touch(0, |drive| drive.power_cycle());
-        assert!(matches!(axis.cycle().await, Err(AxisError::Bus(_) | AxisError::LeftOp { .. })));
+        operate(main, pace, Operating::Frames(group, CYCLE), 0, async |axis| {
+            axis.cycle().await.unwrap();
+            rig.touch(0, |drive| drive.power_cycle());
+            assert!(matches!(axis.cycle().await, Err(AxisError::Bus(_) | AxisError::LeftOp { .. })));
+        })
+        .await;
     });
     assert_eq!(rig.look(0, |drive| drive.status().al_state), AlState::Init);
 }

@@ -5,9 +5,9 @@ use std::time::Duration;
 use ethercrab::subdevice_group::PreOp;
 use ethercrab::{Command, MainDevice, SubIndex};
 use rig::esi::Element;
-use rig::{CYCLE, Rig};
+use rig::{CYCLE, Rig, operate};
 use usr2556e::master::Pace;
-use usr2556e::master::axis::{Axis, Exchange, Operating};
+use usr2556e::master::axis::Operating;
 use usr2556e::master::bring_up::{self, Group};
 use usr2556e::master::process_data::mode;
 use usr2556e::master::sdo::{self, Bytes};
@@ -98,10 +98,11 @@ async fn lying_message(main: &MainDevice<'_>) -> [u8; 10] {
 /// Brings the first drive to OP and enables it, and leaves it so.
 async fn enable(main: &MainDevice<'_>, pace: &Pace, group: Group<PreOp>) {
     let group = bring_up::to_op(main, pace, group, CYCLE).await.unwrap();
-    let mut unobserved = |_: &Exchange| ();
-    let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), 0, &mut unobserved);
-    axis.outputs.mode = mode::PROFILE_POSITION;
-    axis.enable().await.unwrap();
+    operate(main, pace, Operating::Frames(group, CYCLE), 0, async |axis| {
+        axis.outputs.mode = mode::PROFILE_POSITION;
+        axis.enable().await.unwrap();
+    })
+    .await;
 }
 
 // manual: 2.3.1/7500

@@ -7,6 +7,7 @@ use drive::{Alarm, PowerState};
 use rig::Rig;
 use usr2556e::drive::{DriveConfig, VirtualDrive};
 use usr2556e::flash;
+use usr2556e::master::axis::Inputs;
 use usr2556e::master::sdo;
 
 use crate::raw_mailbox::fetch;
@@ -96,5 +97,69 @@ fn faults_are_told_by_objects_emergency_and_led_and_cleared_by_controlword_or_in
             assert_eq!(rig.look(0, |drive| drive.status().power_state), PowerState::SwitchOnDisabled);
             assert_eq!(rig.look(0, |drive| drive.indicators().alarm), Alarm::Disabled);
         }
+    }
+}
+
+/// A fault that takes an enabled motor.
+struct Enabled {
+    code: u16,
+    error_register: u8,
+    alarm_code: u16,
+    red: u8,
+    /// What is wrong with the motor.
+    motor: fn(&mut plant::MotorParameters),
+    /// What goes wrong after the motor was enabled.
+    provoke: fn(&Rig),
+}
+
+const ENABLED: [Enabled; 3] = [
+    Enabled {
+        code: 0x7122,
+        error_register: 0x01,
+        alarm_code: 0,
+        red: 7,
+        motor: |motor| (motor.resistance, motor.inductance) = (1e6, 1e3),
+        provoke: |_| (),
+    },
+    Enabled {
+        code: 0x2211,
+        error_register: 0x03,
+        alarm_code: 0x0002,
+        red: 1,
+        motor: |motor| (motor.resistance, motor.inductance) = (0.1, 20e-6),
+        provoke: |_| (),
+    },
+    Enabled {
+        code: 0x3210,
+        error_register: 0x05,
+        alarm_code: 0x0001,
+        red: 3,
+        motor: |_| (),
+        provoke: |rig| rig.touch(0, |drive| drive.plant_mut().set_supply(Millivolts(14_000))),
+    },
+];
+
+// manual: 1.6/overcurrent 1.6/internal-voltage 1.6/phase-loss 2.2.14/overcurrent 2.2.14/internal-voltage 2.3.1/2211 2.3.1/3210 2.3.1/7122
+#[test]
+fn faults_of_an_enabled_motor_are_told_by_objects_emergency_and_led() {
+    for case in &ENABLED {
+        let mut config = DriveConfig::numbered(0);
+        (case.motor)(&mut config.plant.motor);
+        let rig = Rig::with([config]);
+        rig.in_op(async |axis| {
+            axis.enable().await.unwrap();
+            (case.provoke)(&rig);
+            let in_fault = |inputs: &Inputs| inputs.statusword & 0x4F == 0x08;
+            axis.until("fault", Duration::from_secs(1), in_fault).await.unwrap();
+        });
+        assert_eq!(rig.look(0, |drive| drive.indicators().alarm), Alarm::Fault { red: case.red });
+        rig.in_preop(async |main, _, group| {
+            let drive = group.subdevice(main, 0).unwrap();
+            let told = emergency(case.code, case.error_register, case.alarm_code);
+            assert_eq!(fetch(&drive).await, Some((1, told)), "{:04X}", case.code);
+            assert_eq!(drive.sdo_read(0x603F, 0).await, Ok(case.code));
+            assert_eq!(drive.sdo_read(0x1001, 0).await, Ok(case.error_register));
+            assert_eq!(drive.sdo_read(0x200E, 0).await, Ok(case.alarm_code));
+        });
     }
 }

@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use drive::{Alarm, Light};
 use ethercrab::RegisterAddress;
-use rig::{CYCLE, Rig};
+use rig::{CYCLE, Rig, operate};
 use usr2556e::indicators::PortIndicators;
-use usr2556e::master::axis::{Axis, Exchange, Operating};
+use usr2556e::master::axis::Operating;
 use usr2556e::master::bring_up;
 use usr2556e::master::process_data::mode;
 use wire::indicator::Pattern;
@@ -62,11 +62,12 @@ fn silence_in_op_shows_as_watchdog_error_and_not_as_alarm() {
     let rig = Rig::new(1);
     rig.in_preop(async |main, pace, group| {
         let group = bring_up::to_op(main, pace, group, CYCLE).await.unwrap();
-        let mut unobserved = |_: &Exchange| ();
-        let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), 0, &mut unobserved);
-        axis.outputs.mode = mode::PROFILE_POSITION;
-        axis.enable().await.unwrap();
-        assert_eq!(shown(&rig), "RUN on, ERR off, alarm green flashing, IN active, OUT no link");
+        operate(main, pace, Operating::Frames(group, CYCLE), 0, async |axis| {
+            axis.outputs.mode = mode::PROFILE_POSITION;
+            axis.enable().await.unwrap();
+            assert_eq!(shown(&rig), "RUN on, ERR off, alarm green flashing, IN active, OUT no link");
+        })
+        .await;
     });
     rig.idle(Duration::from_secs(1));
     assert_eq!(shown(&rig), "RUN single flash, ERR double flash, alarm green, IN link, OUT no link");

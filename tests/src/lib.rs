@@ -46,11 +46,11 @@ impl Rig {
         }
     }
 
-    /// One drive whose axis stands at `turns` at power-on.
+    /// One drive whose axis stands at `turns` at power-on, and whose shaft rests where the field is.
     pub fn standing_at(turns: f64) -> Self {
         let mut config = DriveConfig::numbered(0);
         config.plant.start = plant::Turns(turns);
-        Self::with([config])
+        Self::with([without_losses(config)])
     }
 
     /// A master's conversation with the drives, from its first frame to its last. Each is a master of its own, just started.
@@ -118,6 +118,27 @@ impl Rig {
     pub fn shaft(&self) -> f64 {
         self.look(0, |drive| drive.plant().shaft().0 * PULSES_PER_TURN)
     }
+}
+
+/// A drive whose motor has neither friction nor detent torque, and whose bridge has no dead time: its shaft is where the field is, so that
+/// positions can be compared to the pulse.
+pub fn without_losses(mut config: DriveConfig) -> DriveConfig {
+    config.plant.bridge.dead_time = 0.0;
+    config.plant.motor.friction = 0.0;
+    config.plant.motor.detent_torque = 0.0;
+    config
+}
+
+/// A conversation with the one at `position` of drives in OP, after which the master stops dead: nothing is taken back.
+pub async fn operate<T>(
+    main: &MainDevice<'_>,
+    pace: &Pace,
+    drives: Operating,
+    position: usize,
+    conversation: impl AsyncFnOnce(&mut Axis<'_>) -> T,
+) -> T {
+    let mut unobserved = |_: &Exchange| ();
+    conversation(&mut Axis::new(main, pace, drives, position, &mut unobserved)).await
 }
 
 /// A conversation with the first of drives in OP, and back to PREOP.

@@ -2,15 +2,14 @@
 
 use std::time::Duration;
 
+use raw_master::Datagram;
 use usr2556e::drive::VirtualDrive;
 use usr2556e::segment::VirtualSegment;
 use wire::Nanos;
 use wire::al::AlState;
-use wire::frame::{self, Command, FrameBuilder};
+use wire::frame::{self, Command};
 use wire::register as reg;
 
-/// Start of data in a frame with one datagram: Ethernet, EtherCAT and datagram header.
-const DATA: usize = 14 + 2 + 10;
 /// Bytes of process data from the master at delivery.
 pub const OUTPUT_SIZE: usize = 7;
 /// Bytes of process data to the master at delivery.
@@ -65,16 +64,15 @@ impl RawMaster {
 
     /// One datagram in a frame of its own. Returns its data and its working counter; the drive is simulated behind it.
     pub fn datagram(&mut self, command: Command, address: u32, data: &[u8]) -> (Vec<u8>, u16) {
-        let mut buffer = [0; 1514];
-        let mut builder = FrameBuilder::new(&mut buffer, [2, 0, 0, 0, 0, 1]).expect("room for a header");
-        builder.datagram(command, 0, address, data).expect("room for a datagram");
-        let length = builder.finish();
-        let frame = &mut buffer[..length];
-        assert!(self.segment.process(frame, self.now), "the frame comes back");
-        let end = DATA + data.len();
-        let answer = (frame[DATA..end].to_vec(), u16::from_le_bytes([frame[end], frame[end + 1]]));
-        self.segment.catch_up(self.now);
-        answer
+        let mut datagrams = [Datagram::new(command, address, data.to_vec())];
+        let returned = raw_master::exchange(&mut datagrams, |frame| {
+            let returned = self.segment.process(frame, self.now);
+            self.segment.catch_up(self.now);
+            returned
+        });
+        assert!(returned, "the frame comes back");
+        let [Datagram { data, counter, .. }] = datagrams;
+        (data, counter)
     }
 
     /// Reads registers or memory; `None` if nothing there can be read.

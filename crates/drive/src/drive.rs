@@ -5,9 +5,11 @@ use dictionary::AbortCode;
 
 use crate::alarm::{Alarm, AlarmLed, Light};
 use crate::brake::Brake;
+use crate::commissioning::{Commissioning, Order};
 use crate::controlword::{Controlword, StartEdge};
-use crate::current_loop::{self, CurrentLoop};
-use crate::faults::{Fault, Faults};
+use crate::current_loop::identification::Winding;
+use crate::current_loop::{self, Bridge, CurrentLoop, Phases, ampere};
+use crate::faults::{Fault, Faults, Measured};
 use crate::homing::Method;
 use crate::inputs::{Inputs, Signals};
 use crate::modes::{Context, Mode, Modes};
@@ -18,6 +20,7 @@ use crate::power_control::{Activity, PowerControl, Situation, Stop};
 use crate::power_stage::{Current, CurrentVector, Field};
 use crate::power_state::PowerState;
 use crate::profile::{Acceleration, Position, Speed};
+use crate::protection::{self, Protection};
 use crate::statusword::{self, TARGET_REACHED, flag};
 use crate::touch_probe::{self, TouchProbes};
 
@@ -36,6 +39,10 @@ pub struct Drive {
     field: Field,
     vector: Option<CurrentVector>,
     current_loop: CurrentLoop,
+    commissioning: Commissioning,
+    protection: Protection,
+    /// A fault that the last tick has met while it drove the power stage.
+    met: Option<Fault>,
     brake: Brake,
     probes: TouchProbes,
     alarm_led: AlarmLed,
@@ -57,6 +64,9 @@ impl Drive {
             field: Field::new(),
             vector: None,
             current_loop: CurrentLoop::default(),
+            commissioning: Commissioning::default(),
+            protection: Protection::default(),
+            met: None,
             brake: Brake::default(),
             probes: TouchProbes::default(),
             alarm_led: AlarmLed::new(),
@@ -72,6 +82,8 @@ impl Drive {
         let controlword = Controlword(objects.controlword);
         self.start_edge.observe(controlword);
 
+        self.commissioning.observe(sensors, self.vector.is_some());
+        let sensors = &self.commissioning.corrected(sensors);
         let activity = self.control_power(sensors, controlword, objects);
         let mode_bits = self.act(activity, controlword, objects);
         self.clear_position(objects);
@@ -186,6 +198,16 @@ impl Drive {
         self.current.is_locked()
     }
 
+    /// The motor's windings as identified in the last identification since power-up.
+    pub const fn winding(&self) -> Option<Winding> {
+        self.commissioning.winding()
+    }
+
+    /// The loop that makes this vector's current in the windings.
+    pub const fn current_loop(&self) -> &CurrentLoop {
+        &self.current_loop
+    }
+
     /// The inputs after filter, polarity and function.
     pub const fn signals(&self) -> &Signals {
         &self.signals
@@ -193,12 +215,22 @@ impl Drive {
 
     fn control_power(&mut self, sensors: &Sensors, controlword: Controlword, objects: &DriveObjects) -> Activity {
         let before = self.power.state();
-        let fault_detected = self.faults.observe(sensors.bus_voltage, self.operational, before.is_enabled());
+        let measured = Measured {
+            bus_voltage: sensors.bus_voltage,
+            operational: self.operational,
+            enabled: before.is_enabled(),
+            currents: self.fault_of_currents(sensors, objects),
+        };
+        let fault_detected = self.faults.observe(&measured);
+        if fault_detected && self.faults.latched().is_some_and(Fault::is_uncontrolled) {
+            self.commissioning.doubt();
+        }
         let situation = Situation {
             controlword,
             operational: self.operational,
             fault_detected,
             fault_persists: self.faults.persists(),
+            fault_forbids_stop: self.faults.forbids_stop(),
             fault_clear: self.signals.fault_clear,
             emergency_stop: self.signals.emergency_stop,
             standing: self.motion.is_standing() && (self.brake.holds() || !outputs::has_brake(objects)),
@@ -209,6 +241,26 @@ impl Drive {
         }
         // The motor offline input frees the shaft whatever the state.
         if self.signals.offline { Activity::Off } else { activity }
+    }
+
+    /// What the currents of the last tick tell.
+    fn fault_of_currents(&mut self, sensors: &Sensors, objects: &DriveObjects) -> Option<Fault> {
+        let met = self.met.take();
+        if self.vector.is_none() {
+            self.protection.off();
+            return met.or(self.commissioning.broken_circuit());
+        }
+        let view = protection::View {
+            currents: sensors.phase_currents.map(ampere),
+            phases: Phases::from_object(objects.motor_type),
+            due: self.vector.filter(|_| !self.commissioning.is_running()),
+            supply: sensors.bus_voltage.0 as f32 * 1e-3,
+            // The gain is the inductance in microhenry (0x200B:02).
+            inductance: f32::from(objects.current_loop_kp) * 1e-6,
+            harmonic: f32::from(objects.harmonic_amplitude) * 1e-3,
+            phase_loss: objects.error_detection & protection::PHASE_LOSS != 0,
+        };
+        self.protection.tick(&view)
     }
 
     /// Moves the commanded position on and returns the mode's bits of the statusword.
@@ -256,28 +308,49 @@ impl Drive {
     fn drive_stage(&mut self, activity: Activity, sensors: &Sensors, objects: &DriveObjects) -> PowerStage {
         self.field.turn(self.motion.travel(), objects.resolution, objects.run_reverse != 0);
         let moving = self.is_moving();
-        self.vector = if activity == Activity::Off {
-            self.current.off();
-            None
+        let stage = if activity == Activity::Off {
+            self.switch_off()
         } else {
-            Some(CurrentVector {
-                angle: self.field.angle(),
-                amplitude: self.current.tick(moving, objects),
-            })
-        };
-        let stage = match self.vector {
-            Some(vector) => {
-                let settings = current_loop::Settings::from_objects(objects);
-                self.current_loop.tick(vector, sensors, &settings)
-            }
-            None => {
-                self.current_loop.off();
-                PowerStage::Off
-            }
+            self.drive_windings(moving, sensors, objects)
         };
         let leaving = matches!(activity, Activity::Stop(_)) && !moving && self.power.stop_switches_off(objects);
         self.brake.tick(self.current.is_locked(), leaving);
         stage
+    }
+
+    fn switch_off(&mut self) -> PowerStage {
+        self.current.off();
+        self.current_loop.off();
+        self.commissioning.off();
+        self.vector = None;
+        PowerStage::Off
+    }
+
+    /// The motor is on: the identification drives it if this is its first time, and otherwise the current loop.
+    fn drive_windings(&mut self, moving: bool, sensors: &Sensors, objects: &DriveObjects) -> PowerStage {
+        let angle = self.field.angle();
+        let settings = current_loop::Settings::from_objects(objects);
+        match self.commissioning.tick(angle, sensors, objects) {
+            Some(Order::Wait) => return PowerStage::Off,
+            Some(Order::Fault(fault)) => {
+                self.met = Some(fault);
+                return self.switch_off();
+            }
+            Some(Order::Drive(vector, voltage)) => {
+                self.current.await_identification(vector.amplitude, objects);
+                self.vector = Some(vector);
+                let bridge = Bridge::at(sensors.bus_voltage, settings.phases);
+                return PowerStage::Legs(bridge.duties(bridge.limited(voltage)));
+            }
+            Some(Order::TakeOver(vector, voltage)) => self.current_loop.resume(vector, voltage),
+            None => (),
+        }
+        let vector = CurrentVector {
+            angle,
+            amplitude: self.current.tick(moving, objects),
+        };
+        self.vector = Some(vector);
+        self.current_loop.tick(vector, sensors, &settings)
     }
 
     fn is_in_place(&self, mode_bits: u16) -> bool {
@@ -286,7 +359,8 @@ impl Drive {
     }
 
     /// Sets the objects that tell about the drive.
-    fn publish(&self, sensors: &Sensors, mode_bits: u16, objects: &mut DriveObjects) {
+    fn publish(&mut self, sensors: &Sensors, mode_bits: u16, objects: &mut DriveObjects) {
+        self.commissioning.publish(objects);
         let state = self.power.state();
         let bus = sensors.bus_voltage;
         objects.statusword = statusword::compose(state, bus, self.operational, self.signals.at_limit(), mode_bits);
@@ -304,7 +378,7 @@ impl Drive {
         objects.digital_inputs = self.signals.digital_inputs();
         objects.input_level = u16::from(sensors.inputs.0 & 0x3F);
         objects.bus_voltage = (bus.0 / 10).clamp(0, 0xFFFF) as u16;
-        objects.torque = torque(sensors.phase_currents, objects.peak_current);
+        objects.torque = torque(sensors.phase_currents, objects);
     }
 
     /// The value of 0x200F (manual 2.2.15).
@@ -333,8 +407,12 @@ fn is_gap(method: i8) -> bool {
 }
 
 /// The current vector's amplitude in per mille of the operating current.
-fn torque(phase_currents: [Milliamps; 2], peak_current: u16) -> i16 {
-    let [a, b] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000).unsigned_abs());
-    let amplitude = (a * a + b * b).isqrt();
-    (amplitude * 1000 / u32::from(peak_current.max(1))).min(i16::MAX as u32) as i16
+fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
+    let [first, second] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000));
+    let across = match Phases::from_object(objects.motor_type) {
+        Phases::Two => second.unsigned_abs().pow(2),
+        Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
+    };
+    let amplitude = (first.unsigned_abs().pow(2) + across).isqrt();
+    (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
 }

@@ -5,36 +5,15 @@ use board::{INPUT_COUNT, InputLevels};
 use crate::homing;
 use crate::objects::DriveObjects;
 
-/// What an input is for, the value of 0x2007.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Function {
-    General,
-    CwLimit,
-    CcwLimit,
-    Home,
-    FaultClear,
-    EmergencyStop,
-    MotorOffline,
-    /// Probe 1 or 2, counted from 0.
-    Probe(usize),
-}
-
-impl Function {
-    /// Unknown values are general inputs.
-    const fn from_object(value: u16) -> Self {
-        match value {
-            1 => Self::CwLimit,
-            2 => Self::CcwLimit,
-            3 => Self::Home,
-            4 => Self::FaultClear,
-            5 => Self::EmergencyStop,
-            6 => Self::MotorOffline,
-            7 => Self::Probe(0),
-            8 => Self::Probe(1),
-            _ => Self::General,
-        }
-    }
-}
+/// Functions of inputs, the values of 0x2007 but for 0, general; 7 and 8 are probes 1 and 2.
+const CW_LIMIT: usize = 1;
+const CCW_LIMIT: usize = 2;
+const HOME: usize = 3;
+const FAULT_CLEAR: usize = 4;
+const EMERGENCY_STOP: usize = 5;
+const MOTOR_OFFLINE: usize = 6;
+const PROBE_1: usize = 7;
+const PROBE_2: usize = 8;
 
 /// Number of touch probes.
 pub const PROBES: usize = 2;
@@ -99,21 +78,40 @@ impl Inputs {
         let (steady, differing) = self.filter(levels, before, objects.input_filter);
         let normally_open = objects.input_polarity as u8;
         let valid = !(steady.0 ^ normally_open) & ((1 << INPUT_COUNT) - 1);
-        let mut signals = Signals {
+        let changed = steady.0 ^ before.0;
+        let inputs = inputs_by_function(objects);
+        let some_valid = |function: usize| valid & inputs[function] != 0;
+        Signals {
             valid,
+            switches: homing::Signals {
+                negative_limit: some_valid(CCW_LIMIT),
+                positive_limit: some_valid(CW_LIMIT),
+                home: some_valid(HOME),
+            },
+            assigned: homing::Signals {
+                negative_limit: inputs[CCW_LIMIT] != 0,
+                positive_limit: inputs[CW_LIMIT] != 0,
+                home: inputs[HOME] != 0,
+            },
+            fault_clear: valid & changed & inputs[FAULT_CLEAR] != 0,
+            emergency_stop: some_valid(EMERGENCY_STOP),
+            offline: some_valid(MOTOR_OFFLINE),
+            probes: [inputs[PROBE_1], inputs[PROBE_2]],
             differing,
-            changed: steady.0 ^ before.0,
-            ..Signals::default()
-        };
-        for (number, function) in functions(objects).into_iter().enumerate() {
-            signals.take(function, number);
+            changed,
         }
-        signals
     }
 
     /// The levels that follow on `steady`, and which inputs have begun to differ from it.
     fn filter(&mut self, levels: InputLevels, mut steady: InputLevels, ticks: u16) -> (InputLevels, u8) {
         let differing = levels.0 ^ steady.0;
+        if differing == 0 {
+            *self = Self {
+                steady: Some(steady),
+                ..Self::default()
+            };
+            return (steady, 0);
+        }
         let mut begun = 0;
         for (number, count) in self.differing.iter_mut().enumerate() {
             if differing >> number & 1 == 0 {
@@ -135,42 +133,23 @@ impl Inputs {
     }
 }
 
-impl Signals {
-    /// Lets the input `number`, counted from 0, act as its function.
-    fn take(&mut self, function: Function, number: usize) {
-        let valid = self.valid >> number & 1 == 1;
-        match function {
-            Function::General => {}
-            Function::CwLimit => {
-                self.assigned.positive_limit = true;
-                self.switches.positive_limit |= valid;
-            }
-            Function::CcwLimit => {
-                self.assigned.negative_limit = true;
-                self.switches.negative_limit |= valid;
-            }
-            Function::Home => {
-                self.assigned.home = true;
-                self.switches.home |= valid;
-            }
-            Function::FaultClear => self.fault_clear |= valid && self.changed >> number & 1 == 1,
-            Function::EmergencyStop => self.emergency_stop |= valid,
-            Function::MotorOffline => self.offline |= valid,
-            Function::Probe(probe) => self.probes[probe] |= 1 << number,
-        }
-    }
-}
-
-fn functions(objects: &DriveObjects) -> [Function; INPUT_COUNT] {
-    [
+/// Which inputs have each function, bit 0 IN1. Unknown functions are general ones.
+fn inputs_by_function(objects: &DriveObjects) -> [u8; PROBE_2 + 1] {
+    let functions: [u16; INPUT_COUNT] = [
         objects.input_1_function,
         objects.input_2_function,
         objects.input_3_function,
         objects.input_4_function,
         objects.input_5_function,
         objects.input_6_function,
-    ]
-    .map(Function::from_object)
+    ];
+    let mut inputs = [0; PROBE_2 + 1];
+    for (number, function) in functions.into_iter().enumerate() {
+        if let Some(inputs) = inputs.get_mut(usize::from(function)) {
+            *inputs |= 1 << number;
+        }
+    }
+    inputs
 }
 
 #[cfg(test)]

@@ -17,6 +17,8 @@
 //! | `touch_probe` | positions latched by edges of inputs |
 //! | `power_stage` | current and direction of the field |
 //! | [`current_loop`] | the field's current in the windings: duties of the legs |
+//! | `commissioning` | the first enabling: offsets, identification, gains |
+//! | `protection` | over-current and phase loss |
 //! | `brake` | when the holding brake opens and shuts |
 //! | `outputs` | digital outputs: function and polarity |
 //! | [`statusword`] | 0x6041 |
@@ -28,6 +30,7 @@
 
 pub mod alarm;
 mod brake;
+mod commissioning;
 pub mod controlword;
 pub mod current_loop;
 mod drive;
@@ -42,6 +45,7 @@ mod power_control;
 mod power_stage;
 pub mod power_state;
 pub mod profile;
+mod protection;
 pub mod statusword;
 mod touch_probe;
 

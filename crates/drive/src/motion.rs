@@ -13,6 +13,8 @@ pub struct Motion {
     velocity: Speed,
     /// What the shaft has travelled in this tick.
     travel: i64,
+    /// Whether generator and filter have come to rest: asked for more often than it changes.
+    standing: bool,
 }
 
 impl Motion {
@@ -24,6 +26,7 @@ impl Motion {
             position: Position::from_pulses(0),
             velocity: Speed::ZERO,
             travel: 0,
+            standing: true,
         }
     }
 
@@ -54,7 +57,7 @@ impl Motion {
 
     /// Whether the axis stands on a whole pulse, and the filter too has come to rest.
     pub const fn is_standing(&self) -> bool {
-        self.generator.is_standing() && self.filter.is_settled()
+        self.standing
     }
 
     /// Takes the value of 0x2009, in microseconds.
@@ -89,6 +92,7 @@ impl Motion {
         self.position = nearest;
         self.velocity = Speed::ZERO;
         self.generator = Generator::at(nearest, Speed::ZERO);
+        self.standing = true;
     }
 
     /// Moves the origin of the position counter, so that it reads `pulses` more. The motion is not affected.
@@ -109,5 +113,6 @@ impl Motion {
         self.velocity = self.filter.step(self.generator.velocity());
         self.travel = self.velocity.sub_pulses_per_tick();
         self.position = self.position.after_tick(self.velocity).wrapped();
+        self.standing = self.generator.is_standing() && self.filter.is_settled();
     }
 }

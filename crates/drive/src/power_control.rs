@@ -37,6 +37,8 @@ pub struct Situation {
     pub fault_detected: bool,
     /// Whether the cause of the fault that was detected last is still there.
     pub fault_persists: bool,
+    /// Whether the fault leaves no time for a stop.
+    pub fault_forbids_stop: bool,
     /// Rising edge of an input that clears faults.
     pub fault_clear: bool,
     /// An emergency stop input is valid.
@@ -98,7 +100,7 @@ impl PowerControl {
         match self.state {
             PowerState::NotReadyToSwitchOn => Some(Event::Initialised),
             PowerState::FaultReactionActive => self
-                .stop_is_over(self.fault_stop(objects), situation)
+                .stop_is_over(self.fault_stop(situation, objects), situation)
                 .then_some(Event::FaultReactionCompleted),
             PowerState::Fault => (reset && !situation.fault_persists).then_some(Event::FaultReset),
             _ if !situation.operational => Some(Event::Command(Command::DisableVoltage)),
@@ -156,7 +158,7 @@ impl PowerControl {
                 None => return Activity::Operate,
             },
             PowerState::QuickStopActive => self.quick_stop(objects),
-            PowerState::FaultReactionActive => self.fault_stop(objects),
+            PowerState::FaultReactionActive => self.fault_stop(situation, objects),
             _ => Stop::Coast,
         };
         self.driven &= stop != Stop::Coast;
@@ -174,8 +176,9 @@ impl PowerControl {
     }
 
     /// The fault reaction under way.
-    fn fault_stop(&self, objects: &DriveObjects) -> Stop {
+    fn fault_stop(&self, situation: &Situation, objects: &DriveObjects) -> Stop {
         match objects.fault_reaction_option {
+            _ if situation.fault_forbids_stop => Stop::Coast,
             0 => Stop::Coast,
             1 if !self.emergency => Stop::SlowDown,
             _ => Stop::Quick,

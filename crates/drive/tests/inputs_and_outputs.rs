@@ -359,6 +359,7 @@ fn the_status_code_tells_enabled_in_place_and_running() {
 #[test]
 fn vetoes_that_depend_on_the_state() {
     let mut rig = Rig::new();
+    rig.download(0x200B, 1, &[1, 0]).unwrap();
     for sub in 2..=4 {
         assert_eq!(rig.download(0x200B, sub, &[200, 0]), Err(AbortCode::DeviceState));
     }

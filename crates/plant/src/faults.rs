@@ -7,8 +7,9 @@ use board::Millivolts;
 pub struct Faults {
     /// Windings A and B whose wire is broken: no current can flow. With three phases, the wires at A+ (U) and at B+ (W).
     pub open: [bool; 2],
-    /// Windings A and B (U and W) nine tenths of whose turns are shorted. What is left has a tenth of the resistance and of the back-EMF and
-    /// a hundredth of the inductance, so that the current gets out of hand within a tick or two.
+    /// Windings A and B nine tenths of whose turns are shorted. What is left has a tenth of the resistance and of the back-EMF and a hundredth
+    /// of the inductance, so that the current gets out of hand within a tick or two. With three phases, U and V or W and V together: one
+    /// alone would still have the others in its way.
     pub shorted: [bool; 2],
     /// The rotor cannot turn, as with a seized bearing.
     pub stuck_rotor: bool,

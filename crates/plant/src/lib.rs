@@ -2,6 +2,8 @@
 //!
 //! | module | holds |
 //! |---|---|
+//! | [`config`] | [`PlantConfig`]: what a plant is made of |
+//! | `observation` | what only a simulation can see: true position, lag, currents, torque, energy |
 //! | [`bridge`] | four legs with dead time and resistance, or their diodes when all transistors are off |
 //! | [`supply`] | [`SupplyParameters`]: source, impedance, bus capacitor |
 //! | [`sensing`] | [`Sensing`]: what the drive's converter makes of currents and voltage |
@@ -27,6 +29,7 @@ extern crate std;
 
 mod angle;
 pub mod bridge;
+pub mod config;
 pub mod energy;
 pub mod envelope;
 pub mod faults;
@@ -34,6 +37,7 @@ pub mod load;
 mod machine;
 pub mod motor;
 pub mod motors;
+mod observation;
 mod rotor;
 pub mod sensing;
 pub mod supply;
@@ -41,16 +45,15 @@ mod terminals;
 pub mod travel;
 mod windings;
 
-use board::{
-    Actuators, Duty, ElectricalAngle, INPUT_COUNT, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors,
-};
+use board::{Actuators, Duty, ElectricalAngle, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
 use bridge::Applied;
 pub use bridge::BridgeParameters;
+pub use config::{PlantConfig, Wiring};
 pub use energy::EnergyAccount;
 pub use envelope::Envelope;
 pub use faults::Faults;
 pub use load::{Coupling, Load, LoadState};
-use machine::{Machine, Moved, PERIODS, State};
+use machine::{Machine, Moved, State};
 pub use motor::{MotorParameters, MotorState, Phases};
 use sensing::Converter;
 pub use sensing::Sensing;
@@ -58,72 +61,6 @@ use supply::Bus;
 pub use supply::SupplyParameters;
 use terminals::Terminals;
 pub use travel::{Switches, Travel, Turns};
-
-/// What a plant is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlantConfig {
-    /// The axis the motor moves.
-    pub travel: Travel,
-    /// Where the axis stands at power-on.
-    pub start: Turns,
-    /// Which terminal each switch is wired to.
-    pub wiring: Wiring,
-    /// Further switches, as a touch probe or a flag is: where the axis switches IN1 to IN6 on, from the left edge up to, not including,
-    /// the right one. They join whatever else is wired to the terminal.
-    pub flags: [Option<(Turns, Turns)>; INPUT_COUNT],
-    /// Voltage of the supply.
-    pub supply: Millivolts,
-    /// What is between that and the bridge.
-    pub source: SupplyParameters,
-    /// The bridge.
-    pub bridge: BridgeParameters,
-    /// The converter of currents and voltage.
-    pub sensing: Sensing,
-    /// The motor.
-    pub motor: MotorParameters,
-    /// What its shaft drives.
-    pub load: Load,
-}
-
-impl Default for PlantConfig {
-    /// A NEMA 23 motor with as much inertia again as its rotor has, at 36 V.
-    fn default() -> Self {
-        Self {
-            travel: Travel::default(),
-            start: Turns(0.0),
-            wiring: Wiring::default(),
-            flags: [None; INPUT_COUNT],
-            supply: Millivolts(36_000),
-            source: SupplyParameters::default(),
-            bridge: BridgeParameters::default(),
-            sensing: Sensing::default(),
-            motor: motors::QSH5718_56,
-            load: Load::inertia(300e-7),
-        }
-    }
-}
-
-/// Which input terminal, 1 to 6, each switch of the axis is wired to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wiring {
-    /// Terminal of the switch at the positive end.
-    pub positive_limit: usize,
-    /// Terminal of the switch at the negative end.
-    pub negative_limit: usize,
-    /// Terminal of the home switch.
-    pub home: usize,
-}
-
-impl Default for Wiring {
-    /// As the drive's inputs are assigned at delivery (manual 2.2.7).
-    fn default() -> Self {
-        Self {
-            positive_limit: 3,
-            negative_limit: 4,
-            home: 5,
-        }
-    }
-}
 
 /// Power stage, motor, axis, switches and supply of one drive.
 #[derive(Clone, Debug)]
@@ -151,7 +88,7 @@ impl Plant {
         let mut plant = Self {
             faults: Faults::default(),
             machine: machine(&config, &Faults::default()),
-            state: State::at_rest(config.start.0),
+            state: State::of(at_rest(config.start)),
             bus_voltage: converter.voltage(bus.voltage),
             bus,
             converter,
@@ -201,7 +138,7 @@ impl Plant {
     fn follow(&mut self, angle: ElectricalAngle, amplitude: Milliamps) {
         let shaft = rotor::follow(self.shaft(), angle, amplitude);
         let (lowest, highest) = self.config.travel.stops;
-        self.state = State::at_rest(shaft.0.clamp(lowest.0, highest.0));
+        self.state = State::of(at_rest(Turns(shaft.0.clamp(lowest.0, highest.0))));
         self.phase_currents = rotor::phase_currents(angle, amplitude);
         self.bus.step(0.0);
     }
@@ -319,102 +256,29 @@ impl Plant {
 
     /// Moves the axis by hand; with the power stage on, the shaft then locks into the nearest electrical period.
     pub fn place(&mut self, position: Turns) {
+        self.set_motor(MotorState {
+            currents: self.state.motor.currents,
+            ..at_rest(position)
+        });
+    }
+
+    /// Gives the motor another state, and the load its speed and angle.
+    pub fn set_motor(&mut self, motor: MotorState) {
         let before = self.stored().stored();
-        let currents = self.state.motor.currents;
-        self.state = State::at_rest(position.0);
-        self.state.motor.currents = currents;
+        self.state = State::of(motor);
         self.account.hand += self.stored().stored() - before;
-    }
-}
-
-/// What only a simulation can see.
-impl Plant {
-    /// Where the shaft really is, which an open-loop drive cannot know.
-    pub fn shaft(&self) -> Turns {
-        Turns(self.state.motor.turns)
-    }
-
-    /// Where the axis is, with its switches and stops: at the shaft's position, or behind an elastic coupling.
-    pub fn axis(&self) -> Turns {
-        Turns(self.state.load.turns)
-    }
-
-    /// The motor.
-    pub fn motor(&self) -> MotorState {
-        self.state.motor
-    }
-
-    /// The load behind the coupling.
-    pub fn load(&self) -> LoadState {
-        self.state.load
-    }
-
-    /// What the plant is made of, with the supply's and the load's present values.
-    pub fn config(&self) -> &PlantConfig {
-        &self.config
-    }
-
-    /// By how much the shaft lags behind a commanded electrical angle, in electrical periods from -0.5 to 0.5: at a quarter the motor gives all
-    /// its torque, beyond it falls out of step.
-    pub fn lag(&self, commanded: ElectricalAngle) -> f64 {
-        angle::lag(commanded, self.state.motor.turns * PERIODS)
-    }
-
-    /// Currents out of the legs A+ and B+ in ampere, before any converter.
-    pub fn currents(&self) -> [f64; 2] {
-        let [u, v, w] = self.machine.windings.currents(self.state.motor.currents);
-        match self.config.motor.phases {
-            Phases::Two => [u, v],
-            Phases::Three => [u, w],
-        }
-    }
-
-    /// Voltage of the bus in V.
-    pub fn bus_voltage(&self) -> f64 {
-        self.bus.voltage
-    }
-
-    /// Current out of the supply in ampere, as a mean over the last tick.
-    pub fn supply_current(&self) -> f64 {
-        self.bus.current
-    }
-
-    /// Torque that windings and magnets give the rotor, in Nm, the detent torque included.
-    pub fn torque(&self) -> f64 {
-        self.machine.torque(&self.state)
-    }
-
-    /// Torque that the load takes from the shaft, in Nm: that of an elastic coupling, or with a rigid one the external torque.
-    pub fn load_torque(&self) -> f64 {
-        self.machine.load_torque(&self.state)
-    }
-
-    /// Where the energy has gone since power-on. The ideal motor of [`PowerStage::Field`] has no energy.
-    pub fn energy(&self) -> EnergyAccount {
-        let stored = self.stored();
-        EnergyAccount {
-            magnetic: stored.magnetic,
-            kinetic: stored.kinetic,
-            elastic: stored.elastic,
-            capacitor: stored.capacitor,
-            ..self.account
-        }
-    }
-
-    /// The present stores and nothing else.
-    fn stored(&self) -> EnergyAccount {
-        EnergyAccount {
-            magnetic: self.machine.magnetic_energy(self.state.motor.currents),
-            kinetic: self.machine.kinetic_energy(&self.state),
-            elastic: self.machine.elastic_energy(&self.state),
-            capacitor: self.bus.energy(),
-            ..EnergyAccount::default()
-        }
     }
 }
 
 fn machine(config: &PlantConfig, faults: &Faults) -> Machine {
     Machine::new(&config.motor, config.bridge.in_series(config.motor.phases), &config.load, faults)
+}
+
+fn at_rest(position: Turns) -> MotorState {
+    MotorState {
+        turns: position.0,
+        ..MotorState::default()
+    }
 }
 
 fn volt(millivolts: Millivolts) -> f64 {

@@ -52,7 +52,7 @@ impl Span {
     }
 }
 
-/// The exponential of `-x`, to 1e-4, by its series for a quarter of `x`.
+/// The exponential of `-x`, to 3e-4, by its series for a quarter of `x`.
 fn decay(x: f64) -> f64 {
     let x = x / 4.0;
     let quarter = 1.0 / (1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0))));

@@ -68,6 +68,10 @@ impl Symmetric {
 pub(crate) struct Set(pub(crate) u8);
 
 impl Set {
+    fn has(self, winding: usize) -> bool {
+        self.0 >> winding & 1 == 1
+    }
+
     pub(crate) fn insert(&mut self, winding: usize) {
         self.0 |= 1 << winding;
     }
@@ -98,8 +102,11 @@ impl Windings {
             Phases::Two => ([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]], 2, 1.0),
             Phases::Three => ([[1.0, 0.0], [-0.5, SQRT_3_4], [-0.5, -SQRT_3_4]], 3, 2.0 / 3.0),
         };
-        // The windings that faults are named after: A and B, or U and W.
-        let named = [0, count - 1];
+        // The windings that a break or a short concerns.
+        let (open, shorted): ([u8; 2], [u8; 2]) = match motor.phases {
+            Phases::Two => ([0b01, 0b10], [0b01, 0b10]),
+            Phases::Three => ([0b001, 0b100], [0b011, 0b110]),
+        };
         let mut windings = Self {
             phases: motor.phases,
             axes,
@@ -110,18 +117,18 @@ impl Windings {
             inverse: [Symmetric::default(); 1 << MOST],
             open: Set::default(),
         };
-        for winding in 0..count {
-            let is = |what: [bool; 2]| (0..2).any(|fault| what[fault] && named[fault] == winding);
-            let turns = if is(faults.shorted) { TURNS_LEFT } else { 1.0 };
+        for (winding, &axis) in axes.iter().enumerate().take(count) {
+            let is = |broken: [bool; 2], sets: [u8; 2]| (0..2).any(|fault| broken[fault] && Set(sets[fault]).has(winding));
+            let turns = if is(faults.shorted, shorted) { TURNS_LEFT } else { 1.0 };
             let resistance = turns * motor.resistance + in_series;
             // A time constant below a tick could not be integrated.
             let inductance = (turns * turns * motor.inductance).max(resistance * STEP);
-            let along = |value: f64| Symmetric::square(axes[winding], weight * value);
+            let along = |value: f64| Symmetric::square(axis, weight * value);
             windings.inductances[winding] = inductance;
             windings.resistance = windings.resistance.plus(along(resistance));
             windings.inductance = windings.inductance.plus(along(inductance));
             windings.emf = windings.emf.plus(along(turns));
-            if is(faults.open) {
+            if is(faults.open, open) {
                 windings.open.insert(winding);
             }
         }

@@ -1,13 +1,15 @@
-//! Orders to a drive server from outside, through a Unix socket: `usr2556e cable` and whoever speaks its protocol.
+//! Orders to a drive server from outside, through a Unix socket: `usr2556e cable`, `usr2556e fault` and whoever speaks its protocol.
 //!
-//! A connection is one order: a line of text, `list`, `cut N`, `repair N`, `unplug N` or `plug N`. The answer is the line `ok` and what there is to say, or the
-//! line `error` and why not, and the connection's end.
+//! A connection is one order: a line of text, `list`, `cut N`, `repair N`, `unplug N` or `plug N` for the cables, `faults`, `break N WHAT` or `mend N` for
+//! the drives ([`crate::breakdown`]). The answer is the line `ok` and what there is to say, or the line `error` and why not, and the connection's end.
 
 use std::fmt;
 use std::str::FromStr;
 use std::sync::mpsc::SyncSender;
 
+use crate::breakdown::{Breakdown, Damage};
 use crate::cables::Change;
+use crate::drive::VirtualDrive;
 use crate::segment::VirtualSegment;
 
 #[cfg(unix)]
@@ -28,6 +30,10 @@ pub enum Order {
     List,
     /// Something to be done to the cables.
     Change(Change),
+    /// What is broken at all drives, a line each.
+    Faults,
+    /// Something to be broken or mended.
+    Damage(Damage),
 }
 
 impl fmt::Display for Order {
@@ -35,6 +41,8 @@ impl fmt::Display for Order {
         match self {
             Self::List => write!(f, "list"),
             Self::Change(change) => change.fmt(f),
+            Self::Faults => write!(f, "faults"),
+            Self::Damage(damage) => damage.fmt(f),
         }
     }
 }
@@ -45,7 +53,10 @@ pub struct NoOrder;
 
 impl fmt::Display for NoOrder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "not understood; orders are list, cut N, repair N, unplug N and plug N")
+        write!(
+            f,
+            "not understood; orders are list, cut N, repair N, unplug N, plug N, faults, break N WHAT and mend N"
+        )
     }
 }
 
@@ -55,7 +66,12 @@ impl FromStr for Order {
     fn from_str(text: &str) -> Result<Self, NoOrder> {
         match text {
             "list" => Ok(Self::List),
-            _ => text.parse().map(Self::Change).map_err(|_| NoOrder),
+            "faults" => Ok(Self::Faults),
+            _ => text
+                .parse()
+                .map(Self::Change)
+                .or_else(|_| text.parse().map(Self::Damage))
+                .map_err(|_| NoOrder),
         }
     }
 }
@@ -86,9 +102,24 @@ impl Request {
 fn carry_out(order: Order, segment: &mut VirtualSegment) -> Answer {
     match order {
         Order::Change(change) => segment.change(change).map_err(|error| error.to_string())?,
+        Order::Damage(damage) => segment.damage(damage).map_err(|error| error.to_string())?,
         Order::List => return Ok(segment.cables().map(|cable| format!("{cable}\n")).collect()),
+        Order::Faults => {
+            return Ok((1..)
+                .zip(segment.drives())
+                .map(|(number, drive)| faults_of(number, drive))
+                .collect());
+        }
     }
     Ok(String::new())
+}
+
+fn faults_of(number: usize, drive: &VirtualDrive) -> String {
+    let faults: Vec<String> = Breakdown::all_of(&drive.plant().faults()).map(|what| what.to_string()).collect();
+    match faults.is_empty() {
+        true => format!("drive {number}: whole\n"),
+        false => format!("drive {number}: {}\n", faults.join(", ")),
+    }
 }
 
 #[cfg(test)]
@@ -115,6 +146,23 @@ mod tests {
         assert_eq!(
             answer("list", &mut segment),
             Ok("cable 1 (interface to drive 1): whole\ncable 2 (drive 1 to drive 2): cut\n".into())
+        );
+    }
+
+    #[test]
+    fn what_is_broken_is_listed_until_it_is_mended() {
+        let mut segment = VirtualSegment::of(2);
+        assert_eq!(answer("break 2 open-a", &mut segment), Ok(String::new()));
+        assert_eq!(answer("break 2 supply 3000", &mut segment), Ok(String::new()));
+        assert_eq!(
+            answer("faults", &mut segment),
+            Ok("drive 1: whole\ndrive 2: open-a, supply 3000\n".into())
+        );
+        assert_eq!(answer("mend 2", &mut segment), Ok(String::new()));
+        assert_eq!(answer("faults", &mut segment), Ok("drive 1: whole\ndrive 2: whole\n".into()));
+        assert_eq!(
+            answer("mend 3", &mut segment),
+            Err("there is no drive 3: there are 2, counted from 1".into())
         );
     }
 

@@ -5,7 +5,8 @@
 //! | [`drive`] | [`drive::VirtualDrive`]: slave controller, device and plant on one time line |
 //! | [`segment`] | drives plugged together; [`segment::InMemory`], a wire that ends in this process |
 //! | [`cables`] | the cables of a line or ring, to be cut and repaired |
-//! | [`control`] | orders to them from outside, through a Unix socket |
+//! | [`breakdown`] | windings, motor and supply, to be broken and mended |
+//! | [`control`] | orders to both from outside, through a Unix socket |
 //! | [`motor_view`] | what only a simulation can see of the motor |
 //! | [`synchronism`] | whether the shaft is where the drive believes it to be |
 //! | [`indicators`] | the LEDs on a drive's front |
@@ -35,6 +36,7 @@
 //! assert_eq!(found.unwrap().unwrap(), 2);
 //! ```
 
+pub mod breakdown;
 pub mod cables;
 pub mod clock;
 pub mod control;

@@ -4,8 +4,10 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use esc::{CannotConnect, End, Processed, Segment, Side};
+use plant::Faults;
 use wire::Nanos;
 
+use crate::breakdown::Damage;
 use crate::cables::{Cable, CableState, Cables, Change, ChangeError};
 use crate::clock::Clock;
 use crate::drive::{DriveConfig, VirtualDrive};
@@ -63,6 +65,24 @@ impl VirtualSegment {
         for number in self.cables.change(change)? {
             self.lay(number).map_err(ChangeError::Taken)?;
         }
+        Ok(())
+    }
+
+    /// Breaks or mends something at a drive while everything runs. What is broken already stays so.
+    ///
+    /// # Errors
+    /// There is no such drive.
+    pub fn damage(&mut self, damage: Damage) -> Result<(), ChangeError> {
+        let (Damage::Break(number, _) | Damage::Mend(number)) = damage;
+        let drives = self.drives().len();
+        let drive = number.checked_sub(1).and_then(|position| self.drives_mut().get_mut(position));
+        let plant = drive.ok_or(ChangeError::NoSuchDrive { number, drives })?.plant_mut();
+        let mut faults = plant.faults();
+        match damage {
+            Damage::Break(_, breakdown) => breakdown.add_to(&mut faults),
+            Damage::Mend(_) => faults = Faults::default(),
+        }
+        plant.set_faults(faults);
         Ok(())
     }
 

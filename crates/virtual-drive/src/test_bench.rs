@@ -23,7 +23,9 @@ use std::time::Duration;
 use board::{Millivolts, Sensors, TICK, TICKS_PER_SECOND};
 use drive::faults::Fault;
 use drive::{Drive, DriveObjects, PowerState};
-use plant::{BridgeParameters, Load, MotorParameters, Phases, Plant, PlantConfig, SupplyParameters, Travel, Turns};
+use plant::{BridgeParameters, Load, MotorParameters, Plant, PlantConfig, SupplyParameters, Travel, Turns};
+
+use crate::motor::commissioning::Commissioning;
 
 /// Electrical periods in a turn.
 const PERIODS: f64 = board::ELECTRICAL_PERIODS_PER_TURN as f64;
@@ -56,8 +58,9 @@ pub struct Setup {
 impl Setup {
     /// A motor without a load, behind a supply in V, with a current's peak in A.
     ///
-    /// The axis is free: no switches, no end stops. The drive has the current loop's gains that its own identification finds for this
-    /// motor, and no function at its outputs; all other objects are as at delivery.
+    /// The axis is free: no switches, no end stops. The drive knows the motor, as somebody would tell it who has its data sheet: resistance,
+    /// back-EMF, and the current loop's gains that its own identification would find. Its outputs have no function; all other objects are as
+    /// at delivery.
     pub fn of(motor: &MotorParameters, supply: f64, current: f64) -> Self {
         let far = Turns(f64::INFINITY);
         let opposite = Turns(f64::NEG_INFINITY);
@@ -73,17 +76,18 @@ impl Setup {
             load: Load::inertia(0.0),
             ..PlantConfig::default()
         };
-        let objects = DriveObjects {
+        let mut objects = DriveObjects {
             mode: PROFILE_VELOCITY,
-            peak_current: (current * 1e3).round().clamp(100.0, 6000.0) as u16,
-            motor_type: (motor.phases == Phases::Three).into(),
             auto_pi: 0,
             current_loop_kp: (motor.inductance * 1e6).round().clamp(100.0, 65_535.0) as u16,
             current_loop_ki: (motor.resistance * 1e3 / 5.0).round().clamp(0.0, 10_000.0) as u16,
+            resistance_set: (motor.resistance * 1e3).round().clamp(0.0, 10_000.0) as u16,
+            inductance_set: (motor.inductance * 1e3).round().clamp(1.0, 10.0) as u16,
             output_1_function: 0,
             output_2_function: 0,
             ..DriveObjects::new()
         };
+        Commissioning::of(motor, current).write(&mut objects);
         Self { plant, objects }
     }
 

@@ -8,12 +8,13 @@ use std::sync::LazyLock;
 
 use device::layout::MAILBOX_MAX;
 use esc::{End, Processed, Side};
+use raw_master::MAX_FRAME;
 use usr2556e::drive::DriveConfig;
 use wire::frame::{Command, Datagram, ETHERTYPE, FrameBuilder, Layout, SOURCE_ADDRESS, physical_address};
 use wire::register::*;
 
 use crate::bring_up;
-use crate::bus::{Bus, MOST_BYTES};
+use crate::bus::Bus;
 use crate::input::{Input, Patience};
 
 const DRIVES: usize = 3;
@@ -112,11 +113,11 @@ fn step(bus: &mut Bus, cables: &[(End, End)], input: &mut Input<'_>, patience: &
             send(bus, side(kind), &mut frame[..length]);
         }
         3 => {
-            let length = usize::from(input.u16()) % MOST_BYTES;
+            let length = usize::from(input.u16()) % MAX_FRAME;
             send(bus, side(kind), &mut input.bytes(length).to_vec());
         }
         4 => {
-            let length = usize::from(input.u16()) % MOST_BYTES;
+            let length = usize::from(input.u16()) % MAX_FRAME;
             let mut frame = [&[0xFF; 12][..], &ETHERTYPE.to_be_bytes(), input.bytes(length)].concat();
             send(bus, side(kind), &mut frame);
         }
@@ -145,8 +146,8 @@ fn side(kind: u8) -> Side {
 }
 
 /// A frame of datagrams to addresses where something happens, perhaps damaged; and its length.
-fn built(input: &mut Input<'_>) -> ([u8; MOST_BYTES], usize) {
-    let mut frame = [0; MOST_BYTES];
+fn built(input: &mut Input<'_>) -> ([u8; MAX_FRAME], usize) {
+    let mut frame = [0; MAX_FRAME];
     let shape = input.u8();
     let mut builder = match shape & 0x40 {
         0 => FrameBuilder::new(&mut frame, [0x10; 6]),

@@ -106,6 +106,9 @@ fn faults(view: &View) -> Verdict {
     must(is_faulty == (error != 0), || format!("603F = {error:04X} in {}", view.state.name()))?;
     let expected = match error {
         0 | 0x7500 | 0x5530 => Some((0x0000, if error == 0x7500 { 0x11 } else { (error != 0).into() })),
+        0x7122 => Some((0x0000, 0x01)),
+        0x2211 => Some((0x0002, 0x03)),
+        0x3150 | 0x3151 | 0x3210 => Some((0x0001, 0x05)),
         0x3110 => Some((0x0004, 0x05)),
         _ => None,
     };

@@ -4,30 +4,38 @@
 //! |---|---|
 //! | [`vector`] | vectors of the current plane, sine and cosine |
 //! | [`gains`] | 0x200B: the registers' scales |
+//! | [`harmonic`] | 0x2060 to 0x2062: the harmonic against the first resonance |
 //! | [`regulator`] | PI in the frame that turns with the command |
+//! | [`auto_zero`] | offsets of the current sensors |
+//! | [`identification`] | resistance and inductance of the motor, at the first enabling |
+//! | [`ripple`] | a winding's answer to a square wave |
 //! | [`damper`] | trims the commanded angle against a swinging rotor |
 //! | [`bridge`] | limits of the supply, and duties, for two phases and three |
 //!
 //! The frame turns with the commanded vector, so that a motor that runs evenly has constant currents and voltages in it, and the
 //! regulators leave no error at any speed.
 
+pub mod auto_zero;
 mod bridge;
 mod damper;
 mod gains;
+mod harmonic;
+pub mod identification;
 mod regulator;
+mod ripple;
 mod vector;
 
 use board::{Milliamps, PowerStage, Sensors};
 
 use crate::objects::DriveObjects;
 use crate::power_stage::CurrentVector;
-use bridge::Bridge;
-pub use bridge::Phases;
+pub use bridge::{Bridge, Phases};
 use damper::{Damper, Passed};
 pub use gains::Gains;
+use harmonic::Harmonic;
 use regulator::Regulator;
-pub use vector::Vector;
-use vector::{Direction, angle_of, radians_of};
+pub use vector::{Direction, Vector};
+use vector::{angle_of, radians_of};
 
 /// Measured currents beyond this are taken for it, in mA: more than any sensor of the drive reads.
 const MOST_MEASURED: i32 = 30_000;
@@ -43,6 +51,8 @@ pub struct Settings {
     pub resistance: f32,
     /// Back-EMF in V s/rad of the shaft, 0x200C:06.
     pub back_emf: f32,
+    /// The harmonic in the current, 0x2060 to 0x2062.
+    harmonic: Option<Harmonic>,
 }
 
 impl Settings {
@@ -56,6 +66,7 @@ impl Settings {
                 _ => objects.resistance_auto,
             }) * 1e-3,
             back_emf: f32::from(objects.bemf_coefficient) * 1e-3,
+            harmonic: Harmonic::from_objects(objects),
         }
     }
 }
@@ -71,12 +82,20 @@ pub struct CurrentLoop {
     current: Vector,
     /// The voltage commanded in the tick before, which acts now, and the one before that, which has just acted.
     voltages: [Vector; 2],
+    trim: f32,
+    limited: bool,
 }
 
 impl CurrentLoop {
     /// No current is commanded: the loop begins anew when one is.
     pub fn off(&mut self) {
         *self = Self::default();
+    }
+
+    /// Takes over from the identification, which has commanded `command` with this voltage in its frame.
+    pub fn resume(&mut self, command: CurrentVector, voltage: Vector) {
+        self.regulator.resume(voltage);
+        self.due = Some(command);
     }
 
     /// The duties that bring the currents to `command` by the end of the tick.
@@ -99,21 +118,48 @@ impl CurrentLoop {
         let frame = Direction::of(angle);
         let ahead = Direction::of(angle.wrapping_add(turn.wrapping_add(turn >> 1) as u32));
 
-        let wanted = Vector { a: amplitude, b: 0.0 };
-        let error = wanted.minus(frame.into_frame(measured));
+        let error = match settings.harmonic {
+            None => Vector { a: amplitude, b: 0.0 }.minus(frame.into_frame(measured)),
+            Some(harmonic) => {
+                let current = frame.out_of_frame(Vector { a: amplitude, b: 0.0 });
+                frame.into_frame(harmonic.added_to(current, amplitude, angle).minus(measured))
+            }
+        };
         let bridge = Bridge::at(sensors.bus_voltage, settings.phases);
         let asked = self.regulator.voltage(error, &settings.gains);
-        let voltage = bridge.limited(ahead.out_of_frame(asked));
-        let excess = asked.minus(ahead.into_frame(voltage));
+        let wanted = ahead.out_of_frame(asked);
+        let voltage = bridge.limited(wanted);
+        let excess = ahead.into_frame(wanted.minus(voltage));
         self.regulator.integrate(error, excess, &settings.gains);
 
         self.current = measured;
         self.voltages = [voltage, self.voltages[0]];
+        (self.trim, self.limited) = (trim, voltage != wanted);
         PowerStage::Legs(bridge.duties(voltage))
+    }
+
+    /// The measured current in ampere.
+    pub const fn current(&self) -> Vector {
+        self.current
+    }
+
+    /// The commanded voltage over the windings in volt.
+    pub const fn voltage(&self) -> Vector {
+        self.voltages[0]
+    }
+
+    /// Whether the supply gives less voltage than the currents need, as it does at speed: torque falls from there on.
+    pub const fn is_at_voltage_limit(&self) -> bool {
+        self.limited
+    }
+
+    /// Radians of the electrical period by which the damper turns the commanded vector.
+    pub const fn trim(&self) -> f32 {
+        self.trim
     }
 }
 
 /// A current in ampere.
-fn ampere(current: Milliamps) -> f32 {
+pub(crate) fn ampere(current: Milliamps) -> f32 {
     current.0.clamp(-MOST_MEASURED, MOST_MEASURED) as f32 * 1e-3
 }

@@ -18,6 +18,11 @@ impl Regulator {
         error.times(gains.proportional).plus(self.integral)
     }
 
+    /// Begins with the voltage that holds the present current.
+    pub fn resume(&mut self, voltage: Vector) {
+        self.integral = voltage;
+    }
+
     /// Integrates the error, and takes off the `excess`: the voltage beyond what the limit left of it.
     pub fn integrate(&mut self, error: Vector, excess: Vector, gains: &Gains) {
         let integral = self.integral.plus(error.times(gains.integral)).minus(excess.times(gains.tracking));

@@ -162,6 +162,9 @@ impl Generator {
 
     fn step_to_stop(&mut self, deceleration: Acceleration) -> Progress {
         self.position = self.position.wrapped();
+        if self.is_standing() {
+            return Progress::Reached;
+        }
         let speed = self.velocity.sub_pulses_per_tick().unsigned_abs();
         let ramp = Ramp {
             acceleration: deceleration,

@@ -30,6 +30,8 @@ pub struct Rig {
     /// How long before the next tick inputs took their level.
     pub level_ages: [Nanos; INPUT_COUNT],
     pub bus: Millivolts,
+    /// What the current sensors read, if not the currents of an ideal motor.
+    pub readings: Option<[Milliamps; 2]>,
     pub travel: Option<Travel>,
     /// The shaft, which follows the field, in pulses.
     pub shaft: f64,
@@ -53,12 +55,15 @@ impl Rig {
     pub fn at_power_up() -> Self {
         let mut objects = DriveObjects::new();
         objects.output_2_function = 0;
+        // The rig has no windings to identify.
+        objects.auto_pi = 0;
         Self {
             drive: Drive::new(),
             objects,
             inputs: 0,
             level_ages: [Nanos(0); INPUT_COUNT],
             bus: Millivolts(24_000),
+            readings: None,
             travel: None,
             shaft: 0.0,
             actuators: Actuators::default(),
@@ -86,7 +91,7 @@ impl Rig {
             inputs: InputLevels(self.inputs | self.switches()),
             level_ages: self.level_ages,
             bus_voltage: self.bus,
-            phase_currents: self.phase_currents(),
+            phase_currents: self.readings.unwrap_or_else(|| self.phase_currents()),
         };
         self.actuators = self.drive.tick(&sensors, &mut self.objects);
         if let Some(CurrentVector { angle, .. }) = self.drive.current_vector() {

@@ -18,10 +18,13 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use anyhow::Context;
+use plant::PlantConfig;
 
 use crate::clock::Clock;
+use crate::drive::DriveConfig;
 use crate::link::pcap::Recorder;
 use crate::master;
+use crate::motor::commissioning::Commissioning;
 use crate::segment::{InMemory, VirtualSegment};
 use report::Report;
 
@@ -40,11 +43,20 @@ pub struct Outcome {
     pub picture: PathBuf,
 }
 
+/// What hangs on the drive.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Machine {
+    /// Motor, axis, load and supply.
+    pub plant: PlantConfig,
+    /// What the master tells the drive about its motor; `None` for the values at delivery.
+    pub commissioning: Option<Commissioning>,
+}
+
 /// Shows a drive at work and leaves capture and picture in `output`, in place of those of an earlier run.
 ///
 /// # Errors
 /// A file cannot be written, or the drive does not do what it should.
-pub fn run(output: &Path, clock: Clock, progress: &mut dyn session::Progress) -> anyhow::Result<Outcome> {
+pub fn run(output: &Path, clock: Clock, machine: &Machine, progress: &mut dyn session::Progress) -> anyhow::Result<Outcome> {
     fs::create_dir_all(output)
         .with_context(|| format!("cannot make the folder {}; choose another one with --output DIR", output.display()))?;
     let capture = output.join(CAPTURE_NAME);
@@ -54,10 +66,16 @@ pub fn run(output: &Path, clock: Clock, progress: &mut dyn session::Progress) ->
     let recorder = Recorder::create(&capture, "usr2556e").with_context(|| unwritable(&capture))?;
     fs::write(&picture, "").with_context(|| unwritable(&picture))?;
 
-    let link = Rc::new(RefCell::new(InMemory::new(VirtualSegment::of(1), clock).with_recorder(recorder)));
+    let drive = DriveConfig {
+        plant: machine.plant,
+        ..DriveConfig::numbered(0)
+    };
+    let link = Rc::new(RefCell::new(
+        InMemory::new(VirtualSegment::new([drive]), clock).with_recorder(recorder),
+    ));
     let motor = || link.borrow().segment().drives()[0].motor();
     let samples = master::run(&mut link.clone(), async |main, pace| {
-        session::hold(main, pace, &motor, progress).await
+        session::hold(main, pace, &motor, machine.commissioning, progress).await
     })??;
 
     let recorder = link.borrow_mut().take_recorder();

@@ -13,6 +13,7 @@ use crate::master::axis::{Axis, AxisError, Exchange, HANDSHAKE_LIMIT, Operating}
 use crate::master::bring_up::{self, Group};
 use crate::master::process_data::{controlword, mode, statusword};
 use crate::master::{Pace, describe, sdo};
+use crate::motor::commissioning::Commissioning;
 use crate::motor_view::MotorView;
 
 /// Period of process data and SYNC0.
@@ -96,7 +97,7 @@ impl Stage<'_> {
 
 /// Leads the drive from power-on through homing, a move and a sine, and back to PREOP.
 ///
-/// `motor` tells how the motor really is.
+/// `motor` tells how the motor really is, `commissioning` what the drive is told about its motor first.
 ///
 /// # Errors
 /// The drive does not do what it should.
@@ -104,6 +105,7 @@ pub async fn hold(
     main: &MainDevice<'_>,
     pace: &Pace,
     motor: &dyn Fn() -> MotorView,
+    commissioning: Option<Commissioning>,
     progress: &mut dyn Progress,
 ) -> anyhow::Result<Samples> {
     progress.begin("scanning the bus", Duration::from_millis(100));
@@ -112,7 +114,7 @@ pub async fn hold(
     for line in describe_first(main, &group).await? {
         progress.note(&line);
     }
-    set_up(main, &group).await?;
+    set_up(main, &group, commissioning).await?;
     progress.begin("PREOP to OP with distributed clocks", Duration::from_millis(200));
     let group = bring_up::to_op_with_clocks(main, pace, group, CYCLE)
         .await
@@ -148,13 +150,15 @@ async fn describe_first(main: &MainDevice<'_>, group: &Group<PreOp>) -> anyhow::
     Ok(lines)
 }
 
-async fn set_up(main: &MainDevice<'_>, group: &Group<PreOp>) -> anyhow::Result<()> {
+async fn set_up(main: &MainDevice<'_>, group: &Group<PreOp>, commissioning: Option<Commissioning>) -> anyhow::Result<()> {
     let drive = group.subdevice(main, 0)?;
     drive
         .register_write(wire::register::PROCESS_WATCHDOG_TIME, WATCHDOG)
         .await
         .context("setting the process data watchdog")?;
-    for (address, value) in SETTINGS {
+    let downloads = commissioning.map_or(Vec::new(), |told| told.downloads().to_vec());
+    let of_the_motor = downloads.iter().map(|(address, value)| (*address, &value[..]));
+    for (address, value) in SETTINGS.into_iter().chain(of_the_motor) {
         let address = address.parse().map_err(anyhow::Error::msg)?;
         sdo::write(&drive, address, value)
             .await

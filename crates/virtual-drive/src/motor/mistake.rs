@@ -22,15 +22,14 @@ impl fmt::Display for Mistake {
     }
 }
 
-/// All mistakes of a file, in the order of its lines. There is at least one.
+/// All mistakes of a file, in the order of its lines. There is at least one. Each is shown on a line of its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mistakes(pub Vec<Mistake>);
 
 impl fmt::Display for Mistakes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, mistake) in self.0.iter().take(SHOWN).enumerate() {
-            let separator = if index == 0 { "" } else { "\n" };
-            write!(f, "{separator}  {mistake}")?;
+        for mistake in self.0.iter().take(SHOWN) {
+            write!(f, "\n  {mistake}")?;
         }
         match self.0.len().saturating_sub(SHOWN) {
             0 => Ok(()),

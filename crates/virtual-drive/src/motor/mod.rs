@@ -6,14 +6,21 @@
 //! | [`text`] | the same file from a motor's values |
 //! | `quantity` | the keys of such a file, with units and ranges |
 //! | [`mistake`] | what is wrong with such a file |
+//! | [`pull_out`] | the torque at each speed, by formula and by simulation |
+//! | [`picture`] | the picture of it |
+//! | [`commissioning`] | what the drive has to be told about its motor |
 //! | [`figures`] | what follows from a motor's values |
 
+pub mod commissioning;
 pub mod figures;
 pub mod file;
 pub mod mistake;
+pub mod picture;
+pub mod pull_out;
 mod quantity;
 pub mod text;
 
+pub(crate) use quantity::number;
 pub use quantity::{LOAD_INERTIAS, SUPPLIES};
 
 use std::path::Path;

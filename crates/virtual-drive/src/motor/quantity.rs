@@ -209,7 +209,7 @@ pub(super) fn of_key(section: &str, key: &str) -> Option<(usize, &'static Unit)>
 }
 
 /// A number as a person would write it: five digits, no zeros behind.
-pub(super) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     format!("{rounded}")
 }

@@ -3,8 +3,11 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use board::Millivolts;
 use clap::{Args, Parser, Subcommand};
+use plant::PlantConfig;
 
+use crate::breakdown::LARGEST_OFFSET;
 use crate::control::CONTROL_VARIABLE;
 use crate::master::sdo::Address;
 use crate::motor::{self, Motor};
@@ -40,6 +43,10 @@ pub enum Command {
     Cable(Cable),
     /// List motors, show their values, and draw the torque they have at each speed
     Motor(MotorOptions),
+    /// Break winding, motor or supply of a drive that is being served, list what is broken, or mend it
+    ///
+    /// The drive finds out by itself, as a real one does, or does not. The exit status is 0 when the order was carried out, and 1 when not.
+    Fault(Fault),
     /// List the drives on an interface, with the built-in master
     Scan(Scan),
     /// Read or write one object of a drive on an interface, with the built-in master
@@ -69,7 +76,8 @@ pub struct Demonstration {
 /// What hangs on every drive's terminals.
 #[derive(Debug, Args)]
 pub struct Equipment {
-    /// Motor: one of `usr2556e motor list`, or a TOML file as examples/motor.toml [default: qsh5718-56]
+    /// Motor: one of `usr2556e motor list`, or a TOML file as examples/motor.toml. A drive that is served has to be told about it as a real one:
+    /// current 0x2000, number of phases 0x200C:01; the demonstration does so [default: qsh5718-56]
     #[arg(long, value_name = "NAME|FILE", value_parser = find_motor)]
     pub motor: Option<Motor>,
     /// Supply voltage, 10 to 80; the drive works from 18 to 50 [default: the motor file's, or 36]
@@ -78,6 +86,23 @@ pub struct Equipment {
     /// Inertia that turns with the shaft, 0 to 10000000 [default: the motor file's, or 300]
     #[arg(long, value_name = "G_CM2", value_parser = load_inertia)]
     pub load_inertia: Option<f64>,
+}
+
+impl Equipment {
+    /// The plant of a drive.
+    pub fn plant(&self) -> PlantConfig {
+        let mut plant = PlantConfig::default();
+        if let Some(motor) = &self.motor {
+            motor.install(&mut plant);
+        }
+        if let Some(volts) = self.supply {
+            plant.supply = Millivolts((volts * 1e3).round() as i32);
+        }
+        if let Some(inertia) = self.load_inertia {
+            plant.load.inertia = inertia;
+        }
+        plant
+    }
 }
 
 fn find_motor(text: &str) -> Result<Motor, String> {
@@ -154,7 +179,7 @@ pub struct Run {
     /// Network interface of the master's second cable, for a ring: it is plugged into the last drive
     #[arg(long, value_name = "IFACE", conflicts_with = "udp")]
     pub redundant: Option<String>,
-    /// Take orders of `usr2556e cable` at this Unix socket, made for the time of serving
+    /// Take orders of `usr2556e cable` and `usr2556e fault` at this Unix socket, made for the time of serving
     #[arg(long, value_name = "PATH")]
     pub control: Option<PathBuf>,
     /// What is served.
@@ -171,7 +196,7 @@ pub struct Exec {
     /// What is served.
     #[command(flatten)]
     pub served: Served,
-    /// The command and its arguments; it finds the interface's name in USR2556E_INTERFACE, and `usr2556e cable` its socket in
+    /// The command and its arguments; it finds the interface's name in USR2556E_INTERFACE, and `usr2556e cable` and `fault` their socket in
     /// USR2556E_CONTROL
     #[arg(last = true, required = true, value_name = "COMMAND")]
     pub command: Vec<std::ffi::OsString>,
@@ -234,6 +259,11 @@ pub enum MotorAction {
     List,
     /// Show a motor's values and what follows from them
     Show(MotorShow),
+    /// Find the torque that a motor carries at each speed, and draw it
+    ///
+    /// Simulates the drive's own control law on the motor: brings it to each speed, loads it more and more until it falls out of step, and puts
+    /// the formula's torque beside it. A bridge loses voltage by dead time and resistance, which the formula does not know.
+    PullOut(MotorPullOut),
 }
 
 /// Options of `motor show`.
@@ -245,6 +275,82 @@ pub struct MotorShow {
     /// Write the values as such a file instead, to begin one of your own with
     #[arg(long)]
     pub toml: bool,
+}
+
+/// Options of `fault`.
+#[derive(Debug, Args)]
+pub struct Fault {
+    /// Socket of the drive server, as given to `run --control`; `exec` names it to its command
+    #[arg(long, value_name = "PATH", env = CONTROL_VARIABLE)]
+    pub control: PathBuf,
+    /// Number of the drive, counted from 1
+    #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    pub drive: u16,
+    /// What to do.
+    #[command(subcommand)]
+    pub action: FaultAction,
+}
+
+/// What `fault` does.
+#[derive(Clone, Copy, Debug, Subcommand)]
+pub enum FaultAction {
+    /// List what is broken at all drives
+    List,
+    /// Break the wire of winding A (of U with three phases)
+    OpenA,
+    /// Break the wire of winding B (of W with three phases)
+    OpenB,
+    /// Short most turns of winding A (of U with three phases)
+    ShortedA,
+    /// Short most turns of winding B (of W with three phases)
+    ShortedB,
+    /// Keep the rotor from turning
+    StuckRotor,
+    /// Let the supply be off by some volts: a sag below 0, a surge above
+    Supply {
+        /// By how much
+        #[arg(value_name = "VOLTS", allow_negative_numbers = true, value_parser = offset)]
+        volts: f64,
+    },
+    /// Mend everything at the drive
+    Mend,
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    let most = f64::from(LARGEST_OFFSET) / 1000.0;
+    let number = text.parse::<f64>().ok().filter(|number| number.abs() <= most);
+    number.ok_or_else(|| format!("a number of volts from -{most} to {most} is needed"))
+}
+
+/// Options of `motor pull-out`.
+#[derive(Debug, Args)]
+pub struct MotorPullOut {
+    /// One of `usr2556e motor list`, or a TOML file as examples/motor.toml
+    #[arg(value_name = "NAME|FILE", value_parser = find_motor)]
+    pub motor: Motor,
+    /// Supply voltage, 18 to 50 [default: the motor file's, or 36]
+    #[arg(long, value_name = "V", value_parser = working_supply)]
+    pub supply: Option<f64>,
+    /// Peak of the phase current, 0.1 to 6 (0x2000) [default: the motor's rated one, 6 at the most]
+    #[arg(long, value_name = "A", value_parser = peak_current)]
+    pub current: Option<f64>,
+    /// Inertia that turns with the shaft, 0 to 10000000 [default: the motor file's, or 0]
+    #[arg(long, value_name = "G_CM2", value_parser = load_inertia)]
+    pub load_inertia: Option<f64>,
+    /// Number of speeds
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(2..=500))]
+    pub points: u16,
+    /// Picture to write
+    #[arg(long, value_name = "FILE.svg", default_value = "usr2556e-pull-out.svg")]
+    pub output: PathBuf,
+}
+
+fn working_supply(text: &str) -> Result<f64, String> {
+    between(text, 18.0, 50.0)
+}
+
+fn peak_current(text: &str) -> Result<f64, String> {
+    between(text, 0.1, 6.0)
 }
 
 /// Where the drives are, for `scan`, `sdo` and `move`.

@@ -5,10 +5,12 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::arguments::Demonstration;
+use super::arguments::{Demonstration, Equipment};
 use crate::clock::Clock;
-use crate::demo;
 use crate::demo::session::Progress;
+use crate::demo::{self, Machine};
+use crate::motor::Motor;
+use crate::motor::commissioning::Commissioning;
 
 pub(super) fn demonstrate(options: &Demonstration) -> anyhow::Result<()> {
     let clock = if options.lock_step {
@@ -17,7 +19,7 @@ pub(super) fn demonstrate(options: &Demonstration) -> anyhow::Result<()> {
         Clock::real_time()
     };
     let mut progress = Bar::new();
-    let outcome = demo::run(&options.output, clock, &mut progress);
+    let outcome = demo::run(&options.output, clock, &machine(&options.equipment), &mut progress);
     progress.end();
     let outcome = outcome?;
     let mut out = io::stdout().lock();
@@ -25,6 +27,15 @@ pub(super) fn demonstrate(options: &Demonstration) -> anyhow::Result<()> {
     writeln!(out, "Picture: {}", outcome.picture.display())?;
     writeln!(out, "Capture: {} (opens in Wireshark)", outcome.capture.display())?;
     Ok(())
+}
+
+/// What hangs on the drive. A motor that was chosen is commissioned with its rated current.
+fn machine(equipment: &Equipment) -> Machine {
+    let commission = |motor: &Motor| Commissioning::of(&motor.parameters, motor.parameters.rated_current);
+    Machine {
+        plant: equipment.plant(),
+        commissioning: equipment.motor.as_ref().map(commission),
+    }
 }
 
 /// A bar on a terminal; lines elsewhere.

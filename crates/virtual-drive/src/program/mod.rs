@@ -5,17 +5,17 @@
 //! | [`arguments`] | what can be typed |
 //! | `demonstrate` | `usr2556e` alone |
 //! | `serve` | `run` and `exec` |
-//! | `cable` | `cable`: orders to a drive server |
+//! | `order` | `cable` and `fault`: orders to a drive server |
 //! | `motor` | `motor`: motors and their torque |
 //! | `lead` | `scan`, `sdo`, `move`: the built-in master on an interface |
 //! | `export` | `esi` and `sii` |
 
 pub mod arguments;
-mod cable;
 mod demonstrate;
 mod export;
 mod lead;
 mod motor;
+mod order;
 mod serve;
 
 use std::process::ExitCode;
@@ -33,7 +33,8 @@ pub fn run() -> ExitCode {
         None => demonstrate::demonstrate(&arguments.demonstration).map(|()| ExitCode::SUCCESS),
         Some(Command::Run(options)) => serve::run(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Exec(options)) => serve::exec(&options),
-        Some(Command::Cable(options)) => cable::cable(&options).map(|()| ExitCode::SUCCESS),
+        Some(Command::Cable(options)) => order::cable(&options).map(|()| ExitCode::SUCCESS),
+        Some(Command::Fault(options)) => order::fault(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Motor(options)) => motor::motor(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Scan(options)) => lead::scan(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Sdo(options)) => lead::sdo(&options).map(|()| ExitCode::SUCCESS),

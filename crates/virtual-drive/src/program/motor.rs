@@ -1,13 +1,18 @@
 //! `motor`: motors and their torque.
 
+use std::fs;
 use std::io::{self, Write};
 
+use anyhow::Context;
 use drive::DriveObjects;
+use indicatif::{ProgressBar, ProgressStyle};
 use plant::motors::ALL;
 use plant::{Envelope, MotorParameters, Phases};
 
-use super::arguments::{MotorAction, MotorOptions, MotorShow};
-use crate::motor::{Motor, figures, text};
+use super::arguments::{MotorAction, MotorOptions, MotorPullOut, MotorShow};
+use crate::motor::pull_out::{self, Point};
+use crate::motor::{Motor, figures, number, picture, text};
+use crate::test_bench::Setup;
 
 /// Supplies for which derived values are shown, in V.
 const SUPPLIES: [f64; 3] = [24.0, 36.0, 48.0];
@@ -18,6 +23,7 @@ pub(super) fn motor(options: &MotorOptions) -> anyhow::Result<()> {
     match &options.action {
         MotorAction::List => list(),
         MotorAction::Show(options) => show(options),
+        MotorAction::PullOut(options) => pull_out(options),
     }
 }
 
@@ -92,13 +98,13 @@ fn values(out: &mut impl Write, motor: &Motor) -> io::Result<()> {
         } else {
             ""
         };
-        writeln!(out, "  {name:26} {value:>9.4} {unit}{estimated}")?;
+        writeln!(out, "  {name:26} {:>9} {unit}{estimated}", number(value))?;
     }
     if let Some(inertia) = motor.load_inertia {
-        writeln!(out, "  {:26} {:>9.4} g cm^2", "load inertia", inertia * 1e7)?;
+        writeln!(out, "  {:26} {:>9} g cm^2", "load inertia", number(inertia * 1e7))?;
     }
     if let Some(volts) = motor.supply {
-        writeln!(out, "  {:26} {volts:>9.4} V", "supply")?;
+        writeln!(out, "  {:26} {:>9} V", "supply", number(volts))?;
     }
     Ok(())
 }
@@ -151,6 +157,62 @@ fn torques(out: &mut impl Write, motor: &MotorParameters, current: f64) -> io::R
             }
         }
         writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// Supply in V where neither the command line nor the motor's file tells one.
+const USUAL_SUPPLY: f64 = 36.0;
+/// The largest peak of the phase current that the drive can be set to, in A (0x2000).
+const MOST_CURRENT: f64 = 6.0;
+
+fn pull_out(options: &MotorPullOut) -> anyhow::Result<()> {
+    let motor = &options.motor;
+    let supply = options.supply.or(motor.supply).unwrap_or(USUAL_SUPPLY);
+    let current = options.current.unwrap_or(motor.parameters.rated_current.min(MOST_CURRENT));
+    let load_inertia = options.load_inertia.or(motor.load_inertia).unwrap_or(0.0);
+    let setup = Setup::of(&motor.parameters, supply, current).with_load_inertia(load_inertia);
+    let unwritable = || {
+        format!(
+            "cannot write {}; choose another file with --output FILE.svg",
+            options.output.display()
+        )
+    };
+    // Before the work, not after it.
+    fs::write(&options.output, "").with_context(unwritable)?;
+
+    let title = format!(
+        "{}: {supply} V, {current:.2} A peak, load {} g cm^2",
+        motor.name,
+        number(load_inertia * 1e7)
+    );
+    writeln!(io::stdout(), "{title}")?;
+    let speeds = pull_out::speeds(&setup, options.points.into());
+    let bar = ProgressBar::new(speeds.len() as u64);
+    let style = ProgressStyle::with_template("  loading the motor at {len} speeds [{bar:30}] {pos} {elapsed}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+    let points = pull_out::measure(&setup, &speeds, &|| bar.inc(1));
+    bar.finish_and_clear();
+    let points = points?;
+    table(&mut io::stdout().lock(), &points)?;
+    fs::write(&options.output, picture::draw(&title, &setup, &points)?).with_context(unwritable)?;
+    writeln!(io::stdout(), "\nPicture: {}", options.output.display())?;
+    Ok(())
+}
+
+fn table(out: &mut impl Write, points: &[Point]) -> io::Result<()> {
+    writeln!(out, "\n  turns/s    rpm  closed form  simulated")?;
+    for point in points {
+        let rpm = point.speed * 60.0;
+        write!(out, "  {:>7.2} {rpm:>6.0}", point.speed)?;
+        match point.envelope {
+            torque if torque > 0.0 => write!(out, "  {torque:>8.3} Nm")?,
+            _ => write!(out, "  {:>11}", "-")?,
+        }
+        match point.simulated {
+            Some(torque) => writeln!(out, "  {torque:>6.3} Nm")?,
+            None => writeln!(out, "  not reached")?,
+        }
     }
     Ok(())
 }

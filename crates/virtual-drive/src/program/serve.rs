@@ -172,6 +172,10 @@ impl Service {
                 Some(folder) => folder.load(position)?,
                 None => DriveConfig::numbered(position),
             };
+            let config = DriveConfig {
+                plant: served.equipment.plant(),
+                ..config
+            };
             Ok(config.drifting(position, served.clock_drift.unwrap_or(0.0)))
         });
         let configs = configs.collect::<anyhow::Result<Vec<_>>>()?;

@@ -1,0 +1,5 @@
+//! Drive and windings: identification, and what protection finds in currents.
+
+mod bench;
+mod identification;
+mod protection;
