@@ -33,6 +33,8 @@ pub struct Passed {
     pub voltage: Vector,
     /// The mean current.
     pub current: Vector,
+    /// The power in watt that has gone into the windings' magnetic field.
+    pub magnetising: f32,
     /// The commanded amplitude in ampere.
     pub amplitude: f32,
     /// Radians of the electrical period by which the command has turned; negative backward.
@@ -41,7 +43,8 @@ pub struct Passed {
 
 /// Damps the rotor's swinging by trimming the commanded angle.
 ///
-/// What the windings take beyond their heat is the rotor's power, and over the commanded speed its torque. Torque through a low pass is
+/// What the windings take beyond their heat and their field is the rotor's power, and over the commanded speed its torque. The field counts where
+/// the current's amplitude is not even, as with the harmonic of 0x2060: without it, the harmonic would be taken for torque. Torque through a low pass is
 /// the deviation of speed; a trim against it is damping. The mean of the torque, the load's, is left out, so that no trim stays.
 #[derive(Clone, Debug, Default)]
 pub struct Damper {
@@ -59,7 +62,7 @@ impl Damper {
             return 0.0;
         }
         let heat = resistance * passed.current.dot(passed.current);
-        let power = passed.voltage.dot(passed.current) - heat;
+        let power = passed.voltage.dot(passed.current) - heat - passed.magnetising;
         // Radians of the shaft in a second.
         let turning = passed.advance * (TICKS_PER_SECOND as f32 / ELECTRICAL_PERIODS_PER_TURN as f32);
         let torque = power / (turning * back_emf * passed.amplitude);
@@ -91,6 +94,7 @@ mod tests {
                     b: 0.0,
                 },
                 current: Vector { a: 2.0, b: 0.0 },
+                magnetising: 0.0,
                 amplitude: 2.0,
                 advance,
             };
@@ -107,6 +111,25 @@ mod tests {
         for (there, back) in forward.iter().zip(backward) {
             assert!((there - back).abs() < 1e-4, "{forward:?} {backward:?}");
         }
+    }
+
+    #[test]
+    fn a_field_that_grows_is_no_torque() {
+        let mut damper = Damper::default();
+        let mut trim_at = |magnetising| {
+            let passed = Passed {
+                voltage: Vector {
+                    a: 3.0 + 0.5 * magnetising,
+                    b: 0.0,
+                },
+                current: Vector { a: 2.0, b: 0.0 },
+                magnetising,
+                amplitude: 2.0,
+                advance: electrical(5.0),
+            };
+            damper.tick(&passed, 1.0, 0.25)
+        };
+        assert!([0.0, 8.0, -8.0].into_iter().all(|power| trim_at(power).abs() < 1e-6));
     }
 
     #[test]

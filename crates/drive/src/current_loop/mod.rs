@@ -25,7 +25,7 @@ mod regulator;
 mod ripple;
 mod vector;
 
-use board::{Milliamps, PowerStage, Sensors};
+use board::{Milliamps, PowerStage, Sensors, TICKS_PER_SECOND};
 
 use crate::objects::DriveObjects;
 use crate::power_stage::CurrentVector;
@@ -49,6 +49,8 @@ pub struct Settings {
     pub phases: Phases,
     /// Resistance of a winding in ohm: 0x200C:02 as identified if the drive sets the gains itself, else 0x200C:04.
     pub resistance: f32,
+    /// Inductance of a winding in henry, which the loop's gain 0x200B:02 is in microhenry.
+    pub inductance: f32,
     /// Back-EMF in V s/rad of the shaft, 0x200C:06.
     pub back_emf: f32,
     /// The harmonic in the current, 0x2060 to 0x2062.
@@ -65,6 +67,7 @@ impl Settings {
                 0 => objects.resistance_set,
                 _ => objects.resistance_auto,
             }) * 1e-3,
+            inductance: f32::from(objects.current_loop_kp) * 1e-6,
             back_emf: f32::from(objects.bemf_coefficient) * 1e-3,
             harmonic: Harmonic::from_objects(objects),
         }
@@ -107,9 +110,11 @@ impl CurrentLoop {
         let turn = command.angle.0.wrapping_sub(due.angle.0) as i32;
         let measured = settings.phases.current(sensors.phase_currents.map(ampere));
         let amplitude = ampere(due.amplitude);
+        let growth = measured.dot(measured) - self.current.dot(self.current);
         let passed = Passed {
             voltage: self.voltages[1],
             current: self.current.plus(measured).times(0.5),
+            magnetising: 0.5 * settings.inductance * growth * TICKS_PER_SECOND as f32,
             amplitude,
             advance: radians_of(turn),
         };
