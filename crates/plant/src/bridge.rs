@@ -95,6 +95,20 @@ pub(crate) struct Applied {
 }
 
 impl Applied {
+    /// Voltages over the windings, from wherever they come.
+    pub(crate) const fn voltage(voltage: Vector) -> Self {
+        Self {
+            voltage,
+            dead: [DeadTime { most: 0.0, slope: 0.0 }; MOST],
+            idle: Set(0),
+            diodes: [0.0; MOST],
+            shares: [0.0; MOST],
+            drop: 0.0,
+            bus: 0.0,
+            off: false,
+        }
+    }
+
     /// Transistors that switch.
     pub(crate) fn legs(parameters: &BridgeParameters, windings: &Windings, duties: [Duty; LEG_COUNT], bus: f64) -> Self {
         let shares = leg_shares(windings.phases, duties);
