@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::arguments::{Demonstration, Equipment};
+use super::arguments::Demonstration;
+use super::arguments::motor::Equipment;
 use crate::clock::Clock;
 use crate::demo::session::Progress;
 use crate::demo::{self, Machine};

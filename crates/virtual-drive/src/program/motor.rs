@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use plant::motors::ALL;
 use plant::{Envelope, MotorParameters, Phases};
 
-use super::arguments::{MotorAction, MotorOptions, MotorPullOut, MotorShow};
+use super::arguments::motor::{MotorAction, MotorOptions, MotorPullOut, MotorShow};
 use crate::motor::pull_out::{self, Point};
 use crate::motor::{Motor, figures, number, picture, text};
 use crate::test_bench::Setup;

@@ -2,7 +2,12 @@
 
 use proptest::prelude::*;
 
+use plant::Phases;
+
+use super::reader::SHORTEST_TIME_CONSTANT;
 use super::*;
+use crate::motor::quantity::QUANTITIES;
+use crate::motor::{figures, quantity};
 
 const EXAMPLE: &str = include_str!("../../../../../examples/motor.toml");
 
