@@ -2,7 +2,7 @@
 
 use crate::axis::Axis;
 
-/// Root mean square of the speed's deviation, as a share of the speed, at the first resonance with a tenth of the holding torque as the load.
+/// Root mean square of the speed's deviation as a share of the speed, with a tenth of the holding torque as the load.
 fn ripple(name: &str, speed: f64, [amplitude, phase_a, phase_b]: [u16; 3]) -> f64 {
     let mut axis = Axis::new(crate::motor(name), 24.0);
     axis.load_inertia = 0.0;

@@ -44,11 +44,12 @@ dictionary::object_dictionary! {
         0x200A:0 soft_lock_time: u16 = 1000, RW | RX_PDO | TX_PDO | SAVED, in 0..=65535, unit "50us", "Soft lock Time";
         /// Whether the drive identifies the motor and computes the current loop's gains: 0 no, 1 yes (manual 2.2.11).
         0x200B:1 auto_pi: u16 = 1, RW | RX_PDO | TX_PDO | SAVED, in 0..=1, "AutoPI enable" of "Current loop parameters";
-        /// Proportional gain of the current loop; cannot be written while sub-index 1 is 1 (manual 2.2.11).
+        /// Proportional gain of the current loop in 1/256 V/A; cannot be written while sub-index 1 is 1 (manual 2.2.11).
         0x200B:2 current_loop_kp: u16 = 1000, RW | RX_PDO | TX_PDO | SAVED, in 100..=65535, "Iloop_Kp" of "Current loop parameters";
-        /// Integral gain of the current loop; cannot be written while sub-index 1 is 1 (manual 2.2.11).
+        /// Integral gain of the current loop in 1/1024 V/A per tick; cannot be written while sub-index 1 is 1 (manual 2.2.11).
         0x200B:3 current_loop_ki: u16 = 200, RW | RX_PDO | TX_PDO | SAVED, in 0..=10000, "Iloop_Ki" of "Current loop parameters";
-        /// Anti-windup gain of the current loop; cannot be written while sub-index 1 is 1 (manual 2.2.11).
+        /// Anti-windup gain of the current loop, 256 for a tracking time equal to the integration time; cannot be written while sub-index 1 is 1
+        /// (manual 2.2.11).
         0x200B:4 current_loop_kc: u16 = 256, RW | RX_PDO | TX_PDO | SAVED, in 0..=1024, "Iloop_Kc" of "Current loop parameters";
         /// 0 two-phase, 1 three-phase stepper motor (manual 2.2.12).
         0x200C:1 motor_type: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=1, "Motor type" of "Motor parameters";
@@ -61,7 +62,7 @@ dictionary::object_dictionary! {
             unit "mOhm", "Resistance Set" of "Motor parameters";
         /// Winding inductance as the user states it (manual 2.2.12).
         0x200C:5 inductance_set: u16 = 1, RW | RX_PDO | TX_PDO | SAVED, in 1..=10, unit "mH", "Inductance Set" of "Motor parameters";
-        /// Back-EMF coefficient (manual 2.2.12).
+        /// Back-EMF of a winding in mV s/rad of the shaft, for the damper against mid-band instability; 0 switches that off (manual 2.2.12).
         0x200C:6 bemf_coefficient: u16 = 256, RW | RX_PDO | TX_PDO | SAVED, in 0..=1000, "BEMF coefficient" of "Motor parameters";
         /// 1 turns the motor the other way for the same command; cannot be changed while the motor moves (manual 2.2.13).
         0x200D:0 run_reverse: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=1, "Invert motor direction";
@@ -127,11 +128,11 @@ dictionary::object_dictionary! {
         0x204C:0 homing_variant: u16 = 0, RW, in 0..=1, "HM method select";
         /// Which detections are on; bit 7 is phase loss (manual, revision V202).
         0x2056:0 error_detection: u16 = 0x0080, RW | RX_PDO, "Error Detect enable";
-        /// Amplitude of the harmonic against the first resonance (manual 2.2.26).
+        /// Amplitude of the harmonic against the first resonance, in per mille of the current (manual 2.2.26).
         0x2060:0 harmonic_amplitude: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=1000, "Amplitude of First Anti-Vibration";
-        /// Phase of the harmonic in winding A (manual 2.2.27).
+        /// Phase of the harmonic in winding A, in 1/1024 periods (manual 2.2.27).
         0x2061:0 harmonic_phase_a: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=1024, "Phase A of First Anti-Vibration";
-        /// Phase of the harmonic in winding B (manual 2.2.28).
+        /// Phase of the harmonic in winding B, in 1/1024 periods (manual 2.2.28).
         0x2062:0 harmonic_phase_b: u16 = 0, RW | RX_PDO | TX_PDO | SAVED, in 0..=1024, "Phase B of First Anti-Vibration";
         /// Station alias that the drive takes at power-up while 0x2151 is 1; otherwise the one in the EEPROM (manual 1.5).
         0x2150:0 alias: u16 = 1001, RW | RX_PDO | TX_PDO | SAVED, "Slave Alias";

@@ -9,9 +9,9 @@ const MOST: f32 = 9.0;
 
 /// A third harmonic in each winding, as the objects have it.
 ///
-/// The manual names amplitude and two phases but not the harmonic. It is taken as the third of the current, which makes torque of the second
-/// and the fourth: with equal phases the second, which a difference of the windings makes; with phases half a period apart the fourth,
-/// which is the detent torque of a hybrid motor.
+/// The manual names amplitude and two phases but not the order. It is taken as the third of the current, which makes torque of the second
+/// harmonic and the fourth: with equal phases the second, as a difference of the windings does; with phases half a period apart the
+/// fourth, as the detent of a hybrid motor does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Harmonic {
     /// Amplitude in per mille of the current's.
