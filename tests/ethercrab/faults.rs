@@ -8,7 +8,7 @@ use ethercrab::Command;
 use rig::Rig;
 use usr2556e::drive::{DriveConfig, VirtualDrive};
 use usr2556e::flash;
-use usr2556e::master::process_data::Inputs;
+use usr2556e::master::axis::AxisError;
 use usr2556e::master::sdo;
 
 use crate::raw_mailbox::fetch;
@@ -150,8 +150,8 @@ fn faults_of_an_enabled_motor_are_told_by_objects_emergency_and_led() {
         rig.in_op(async |axis| {
             axis.enable().await.unwrap();
             (case.provoke)(&rig);
-            let in_fault = |inputs: &Inputs| inputs.statusword & 0x4F == 0x08;
-            axis.until("fault", Duration::from_secs(1), in_fault).await.unwrap();
+            let end = axis.until("no fault", Duration::from_secs(1), |_| false).await;
+            assert!(matches!(end, Err(AxisError::Fault { .. })), "{:04X}: {end:?}", case.code);
         });
         assert_eq!(rig.look(0, |drive| drive.indicators().alarm), Alarm::Fault { red: case.red });
         // It lies in the mailbox, which the next scan empties.
