@@ -71,7 +71,9 @@ impl DeadTime {
     }
 
     fn at(self, current: f64) -> f64 {
-        (self.slope * current).min(self.most).max(-self.most)
+        let lost = self.slope * current;
+        let lost = if lost < self.most { lost } else { self.most };
+        if lost > -self.most { lost } else { -self.most }
     }
 }
 
@@ -198,6 +200,11 @@ impl Applied {
             drawn: sum(charges, self.shares),
             heat: self.drop * charges.iter().map(|charge| charge.abs()).sum::<f64>(),
         }
+    }
+
+    /// The current that switching transistors take from the bus.
+    pub(crate) fn drawn_by_legs(windings: &Windings, duties: [Duty; LEG_COUNT], currents: Vector) -> f64 {
+        sum(windings.currents(currents), leg_shares(windings.phases, duties))
     }
 
     /// Whether the transistors are off.
