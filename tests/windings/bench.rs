@@ -4,8 +4,8 @@ use board::{Duty, InputLevels, Milliamps, Millivolts, Nanos, PowerStage, Sensors
 use drive::{Drive, DriveObjects, PowerState};
 use plant::{MotorParameters, MotorState, Phases};
 
-/// A step of the converter in A: 12 bits over 20 A. It reads beyond that as well, so that an over-current shows.
-const STEP: f64 = 20.0 / 4096.0;
+/// A step of the converter in A: 12 bits over 12.8 A either way.
+const STEP: f64 = 25.6 / 4096.0;
 /// Resistance of a transistor in ohm.
 const TRANSISTOR: f64 = 0.03;
 

@@ -15,8 +15,8 @@ pub const OVERCURRENT: f32 = 12.0;
 /// Consecutive samples that make a fault.
 const OVERCURRENT_TICKS: u8 = 2;
 
-/// A phase carries nothing that carries less than this share of the commanded amplitude and these ampere, three steps of a converter of
-/// 12 bits over 20 A.
+/// A phase carries nothing that carries less than this share of the commanded amplitude and these ampere, two to three steps of a
+/// converter of 12 bits over 12.8 A either way.
 const NOTHING: (f32, f32) = (0.03, 0.015);
 /// A phase is to carry something that is to carry this many times as much.
 const SOMETHING: f32 = 2.0;

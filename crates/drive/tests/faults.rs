@@ -180,12 +180,12 @@ fn a_current_sensor_that_reads_more_than_5_percent_without_a_current_is_a_fault_
     for (phase, code) in [(0, 0x3150), (1, 0x3151)] {
         for sign in [-1, 1] {
             let mut readings = [Milliamps(20); 2];
-            readings[phase] = Milliamps(500 * sign);
+            readings[phase] = Milliamps(640 * sign);
             let mut rig = Rig::new();
             rig.readings = Some(readings);
             rig.milliseconds(10);
             assert_eq!(rig.state(), SwitchOnDisabled, "5 percent are allowed");
-            readings[phase] = Milliamps(501 * sign);
+            readings[phase] = Milliamps(641 * sign);
             rig.readings = Some(readings);
             rig.until("in fault", |rig| rig.state() == Fault);
             assert_eq!(shown(&rig), (code, 0x0001, true, true));

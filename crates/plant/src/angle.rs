@@ -5,13 +5,17 @@ use board::ElectricalAngle;
 /// An eighth of a period in radians: as far as the series are taken.
 const EIGHTH: f64 = core::f64::consts::FRAC_PI_4;
 
+/// 3 times 2^51: added to a number within 2^50, it leaves a sum without fraction whose last bits are the number's.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
+
 /// Sine and cosine of an angle in periods, to 1e-13.
 ///
-/// The angle has to be within 2^51 periods, far beyond what an axis can travel.
+/// The angle has to be within 2^48 periods, far beyond what an axis can travel.
 pub(crate) fn sin_cos(periods: f64) -> (f64, f64) {
-    // Nearest quarter: what is left is within an eighth of a period.
-    let quarter = nearest(periods * 4.0);
-    let x = (periods * 8.0 - quarter as f64 * 2.0) * EIGHTH;
+    // Nearest quarter, by a number whose last bit is worth 1: what is left is within an eighth of a period.
+    let shifted = periods * 4.0 + WHOLE;
+    let quarter = shifted.to_bits();
+    let x = (periods * 4.0 - (shifted - WHOLE)) * (2.0 * EIGHTH);
     let (sine, cosine) = (sine(x), cosine(x));
     let (sine, cosine) = if quarter & 1 == 0 { (sine, cosine) } else { (cosine, -sine) };
     if quarter & 2 == 0 { (sine, cosine) } else { (-sine, -cosine) }

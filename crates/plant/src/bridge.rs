@@ -71,7 +71,9 @@ impl DeadTime {
     }
 
     fn at(self, current: f64) -> f64 {
-        (self.slope * current).min(self.most).max(-self.most)
+        let lost = self.slope * current;
+        let lost = if lost < self.most { lost } else { self.most };
+        if lost > -self.most { lost } else { -self.most }
     }
 }
 
@@ -95,6 +97,20 @@ pub(crate) struct Applied {
 }
 
 impl Applied {
+    /// Voltages over the windings, from wherever they come.
+    pub(crate) const fn voltage(voltage: Vector) -> Self {
+        Self {
+            voltage,
+            dead: [DeadTime { most: 0.0, slope: 0.0 }; MOST],
+            idle: Set(0),
+            diodes: [0.0; MOST],
+            shares: [0.0; MOST],
+            drop: 0.0,
+            bus: 0.0,
+            off: false,
+        }
+    }
+
     /// Transistors that switch.
     pub(crate) fn legs(parameters: &BridgeParameters, windings: &Windings, duties: [Duty; LEG_COUNT], bus: f64) -> Self {
         let shares = leg_shares(windings.phases, duties);
@@ -184,6 +200,11 @@ impl Applied {
             drawn: sum(charges, self.shares),
             heat: self.drop * charges.iter().map(|charge| charge.abs()).sum::<f64>(),
         }
+    }
+
+    /// The current that switching transistors take from the bus.
+    pub(crate) fn drawn_by_legs(windings: &Windings, duties: [Duty; LEG_COUNT], currents: Vector) -> f64 {
+        sum(windings.currents(currents), leg_shares(windings.phases, duties))
     }
 
     /// Whether the transistors are off.

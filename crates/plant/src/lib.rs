@@ -171,16 +171,16 @@ impl Plant {
 
     /// What the bridge does to the windings in the coming tick: at the voltage that the bus has in the middle of it.
     fn applied(&self, stage: PowerStage) -> Applied {
-        let Self {
-            config, machine, state, ..
-        } = self;
-        let at = |bus: f64| match stage {
-            PowerStage::Legs(duties) => Applied::legs(&config.bridge, &machine.windings, duties, bus),
-            _ => Applied::off(&config.bridge, &machine.windings, state.motor.currents, machine.emf(state), bus),
-        };
-        let applied = at(self.bus.voltage);
-        let drawn = applied.drawn(&machine.windings, state.motor.currents);
-        at(self.bus.in_mid_tick(drawn))
+        let (bridge, windings) = (&self.config.bridge, &self.machine.windings);
+        let currents = self.state.motor.currents;
+        if let PowerStage::Legs(duties) = stage {
+            let bus = self.bus.in_mid_tick(Applied::drawn_by_legs(windings, duties, currents));
+            return Applied::legs(bridge, windings, duties, bus);
+        }
+        let emf = self.machine.emf(&self.state);
+        let off = |bus: f64| Applied::off(bridge, windings, currents, emf, bus);
+        let drawn = off(self.bus.voltage).drawn(windings, currents);
+        off(self.bus.in_mid_tick(drawn))
     }
 
     /// The charge that the bridge has taken from the bus: what dead time keeps from the windings, it does not take.

@@ -35,6 +35,19 @@ pub(crate) struct State {
     ended: (f64, f64, f64),
 }
 
+impl MotorParameters {
+    /// The motor by itself, for a power stage of one's own: its state one control tick later, with constant voltages over the windings (in V, as
+    /// [`MotorState::currents`]), a torque of the load in Nm against positive motion, and the load's inertia in kg m^2.
+    pub fn step(&self, state: MotorState, voltages: [f64; 2], torque: f64, inertia: f64) -> MotorState {
+        let load = Load {
+            torque,
+            ..Load::inertia(inertia)
+        };
+        let machine = Machine::new(self, 0.0, &load, &Faults::default());
+        machine.step(&State::of(state), &Applied::voltage(voltages)).0.motor
+    }
+}
+
 /// What a step has moved.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Moved {

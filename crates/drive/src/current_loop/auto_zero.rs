@@ -8,8 +8,8 @@ const DECAY: u32 = 100;
 const MEAN: i32 = 40;
 /// Samples within a mean that differ by more than this, in mA, are no offset: somebody turns the shaft so fast that the diodes conduct.
 const CALM: i32 = 200;
-/// An offset beyond this, in mA, is a broken sensor or amplifier: 5 % of a full scale of 10 A.
-const MOST: i32 = 500;
+/// An offset beyond this, in mA, is a broken sensor or amplifier: 5 % of a range of 12.8 A.
+const MOST: i32 = 640;
 
 /// Offsets of the two current sensors.
 #[derive(Clone, Debug, Default)]
@@ -98,11 +98,11 @@ mod tests {
     fn a_current_that_swings_is_none_and_a_large_steady_one_is_a_broken_sensor() {
         let mut zero = AutoZero::default();
         for tick in 0..400 {
-            zero.off([Milliamps(0), Milliamps(600 + tick % 40 * 6)]);
+            zero.off([Milliamps(0), Milliamps(700 + tick % 40 * 6)]);
         }
         assert_eq!((zero.is_known(), zero.broken()), (false, None));
         for _ in 0..40 {
-            zero.off([Milliamps(500), Milliamps(501)]);
+            zero.off([Milliamps(640), Milliamps(641)]);
         }
         assert_eq!((zero.is_known(), zero.broken()), (true, Some(1)));
     }

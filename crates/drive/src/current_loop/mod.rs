@@ -8,6 +8,7 @@
 //! | [`regulator`] | PI in the frame that turns with the command |
 //! | [`auto_zero`] | offsets of the current sensors |
 //! | [`identification`] | resistance and inductance of the motor, at the first enabling |
+//! | `pulses`, `levels` | its steps |
 //! | [`ripple`] | a winding's answer to a square wave |
 //! | [`damper`] | trims the commanded angle against a swinging rotor |
 //! | [`bridge`] | limits of the supply, and duties, for two phases and three |
@@ -21,6 +22,8 @@ mod damper;
 mod gains;
 mod harmonic;
 pub mod identification;
+mod levels;
+mod pulses;
 mod regulator;
 mod ripple;
 mod vector;

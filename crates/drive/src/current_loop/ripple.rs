@@ -7,7 +7,7 @@ use super::vector::Vector;
 /// Ticks of a period of the square wave: 400 us.
 pub const PERIOD: u32 = 8;
 /// A tick in seconds.
-const TICK_SECONDS: f32 = TICK.0 as f32 * 1e-9;
+pub const TICK_SECONDS: f32 = TICK.0 as f32 * 1e-9;
 /// Half the square root of two.
 const DIAGONAL: f32 = core::f32::consts::FRAC_1_SQRT_2;
 /// Cosine at each tick of a period; the sine is two ticks behind it.
@@ -156,4 +156,60 @@ fn square_root(x: f32) -> f32 {
         root = 0.5 * (root + x / root);
     }
     root
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::vec::Vec;
+
+    use super::*;
+
+    /// The answer of a winding in ohm and henry to the square wave, which reaches it so many ticks late.
+    fn answer(resistance: f64, inductance: f64, late: usize) -> Answer {
+        let decay = (-resistance * 50e-6 / inductance).exp();
+        let (mut answer, mut current) = (Answer::default(), 0.0);
+        let voltages: Vec<f64> = (0..2_000).map(|tick| f64::from(square(tick))).collect();
+        for tick in 0..2_000 {
+            let along = Vector { a: current as f32, b: 0.0 };
+            if tick >= 1_600 {
+                answer.add(
+                    tick as u32,
+                    along,
+                    Vector {
+                        a: voltages[tick] as f32,
+                        b: 0.0,
+                    },
+                );
+            }
+            let acts = if tick < late { 0.0 } else { voltages[tick - late] };
+            current = decay * current + (1.0 - decay) * acts / resistance;
+        }
+        answer
+    }
+
+    #[test]
+    fn the_inductance_is_exact_whenever_the_voltage_acts() {
+        for (resistance, inductance) in [(0.1, 0.5e-3), (1.0, 1e-3), (5.0, 1e-3), (4.0, 20e-3)] {
+            for late in [0, 1] {
+                let found = answer(resistance, inductance, late).inductance(resistance as f32).unwrap();
+                let error = f64::from(found) / inductance - 1.0;
+                assert!(error.abs() < 1e-3, "{resistance} ohm, {inductance} H, {late} ticks late: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn logarithm_and_root_are_within_a_ten_thousandth_and_a_millionth() {
+        for step in 1..60 {
+            let x = step as f32 / 100.0;
+            let truth = -(1.0 - f64::from(x)).ln();
+            assert!((f64::from(minus_log_of_rest(x)) / truth - 1.0).abs() < 1e-4, "{x}");
+            for scale in [1e-9_f32, 1.0, 1e9] {
+                let x = x * scale;
+                assert!((f64::from(square_root(x)) / f64::from(x).sqrt() - 1.0).abs() < 1e-6, "{x}");
+            }
+        }
+    }
 }
