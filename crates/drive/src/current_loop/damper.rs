@@ -33,7 +33,7 @@ pub struct Passed {
     pub voltage: Vector,
     /// The mean current.
     pub current: Vector,
-    /// The power in watt that has gone into the windings' magnetic field.
+    /// The power in watt that has gone into the windings' magnetic field: 0 where the current's amplitude is meant to be even.
     pub magnetising: f32,
     /// The commanded amplitude in ampere.
     pub amplitude: f32,
@@ -44,7 +44,7 @@ pub struct Passed {
 /// Damps the rotor's swinging by trimming the commanded angle.
 ///
 /// What the windings take beyond their heat and their field is the rotor's power, and over the commanded speed its torque. The field counts where
-/// the current's amplitude is not even, as with the harmonic of 0x2060: without it, the harmonic would be taken for torque. Torque through a low pass is
+/// the current's amplitude is not meant to be even, as with the harmonic of 0x2060, which would be taken for torque otherwise. Torque through a low pass is
 /// the deviation of speed; a trim against it is damping. The mean of the torque, the load's, is left out, so that no trim stays.
 #[derive(Clone, Debug, Default)]
 pub struct Damper {

@@ -117,7 +117,10 @@ impl CurrentLoop {
         let passed = Passed {
             voltage: self.voltages[1],
             current: self.current.plus(measured).times(0.5),
-            magnetising: 0.5 * settings.inductance * growth * TICKS_PER_SECOND as f32,
+            magnetising: match settings.harmonic {
+                None => 0.0,
+                Some(_) => 0.5 * settings.inductance * growth * TICKS_PER_SECOND as f32,
+            },
             amplitude,
             advance: radians_of(turn),
         };
