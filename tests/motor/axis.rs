@@ -66,12 +66,17 @@ impl Axis {
 
     /// Brings the drive to Operation Enabled and through its shaft lock.
     pub fn enable(&mut self) {
+        self.command_enabled();
+        assert_eq!(self.drive.power_state(), PowerState::OperationEnabled);
+    }
+
+    /// Commands Operation Enabled and waits for the time of the shaft lock, whatever comes of it.
+    pub fn command_enabled(&mut self) {
         for controlword in [0, 0x06, 0x0F] {
             self.objects.controlword = controlword;
             self.tick();
         }
         self.ticks(2 * usize::from(self.objects.soft_lock_time) + 10);
-        assert_eq!(self.drive.power_state(), PowerState::OperationEnabled);
     }
 
     pub fn tick(&mut self) {

@@ -97,7 +97,7 @@ fn gains_at_the_ends_of_their_ranges_leave_duties_and_currents_finite() {
                 axis.objects.current_loop_ki,
                 axis.objects.current_loop_kc,
             ) = (kp, ki, kc);
-            axis.enable();
+            axis.command_enabled();
             axis.ramp_to(5.0, 50.0);
             axis.seconds(0.2);
             let (current, voltage) = (axis.drive.current_loop().current(), axis.drive.current_loop().voltage());
