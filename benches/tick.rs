@@ -164,7 +164,7 @@ fn plant_step(criterion: &mut Criterion) {
 
 /// Voltages of 3 V that turn by 20 electrical periods to and fro, at 5 periods a second.
 fn field(tick: u32) -> Actuators {
-    let phase = f64::from(tick % (20 << 12)) / f64::from(1 << 12) * std::f64::consts::TAU;
+    let phase = f64::from(tick % (20 << 12)) / f64::from(1 << 12) * TAU;
     let turns_back = tick / (20 << 12) % 2 == 1;
     let sine = if turns_back { -phase.sin() } else { phase.sin() };
     let leg = |voltage: f64| Duty((32_768.0 * (1.0 + voltage / 12.0)) as u16);

@@ -66,12 +66,12 @@ impl Axis {
 
     /// Brings the drive to Operation Enabled and through its shaft lock.
     pub fn enable(&mut self) {
-        self.command_enabled();
+        self.try_to_enable();
         assert_eq!(self.drive.power_state(), PowerState::OperationEnabled);
     }
 
-    /// Commands Operation Enabled and waits for the time of the shaft lock, whatever comes of it.
-    pub fn command_enabled(&mut self) {
+    /// As [`Axis::enable`], but the drive may meet a fault.
+    pub fn try_to_enable(&mut self) {
         for controlword in [0, 0x06, 0x0F] {
             self.objects.controlword = controlword;
             self.tick();

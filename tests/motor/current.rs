@@ -96,9 +96,11 @@ fn gains_at_the_ends_of_their_ranges_leave_duties_and_currents_finite() {
                 axis.objects.current_loop_ki,
                 axis.objects.current_loop_kc,
             ) = (kp, ki, kc);
-            axis.command_enabled();
+            axis.try_to_enable();
             axis.ramp_to(5.0, 50.0);
             axis.seconds(0.2);
+            // A loop with such gains may swing, or make next to no current, until the protection ends it.
+            assert!([0, 0x2211, 0x7122].contains(&axis.objects.error_code), "{}", named.name);
             let (current, voltage) = (axis.drive.current_loop().current(), axis.drive.current_loop().voltage());
             assert!(
                 current.dot(current).is_finite() && voltage.dot(voltage).is_finite(),
