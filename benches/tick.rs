@@ -14,7 +14,7 @@ use benchmarks::cpu_time::cpu_time;
 use benchmarks::cyclic::{Cycle, Image};
 use benchmarks::machine;
 use benchmarks::scenario::SCENARIOS;
-use board::{Actuators, ElectricalAngle, Milliamps, PowerStage, Sensors, TICK};
+use board::{Actuators, Duty, PowerStage, Sensors, TICK};
 use criterion::Criterion;
 use drive::{Drive, DriveObjects, PowerState};
 use plant::{Plant, PlantConfig};
@@ -162,16 +162,14 @@ fn plant_step(criterion: &mut Criterion) {
     });
 }
 
-/// A field that turns by 20 electrical periods to and fro, so that the shaft stays between the stops.
+/// Voltages of 3 V that turn by 20 electrical periods to and fro, at 5 periods a second.
 fn field(tick: u32) -> Actuators {
-    let phase = tick.wrapping_mul(1 << 22);
-    let turns_back = tick / (20 << 10) % 2 == 1;
-    let stage = PowerStage::Field {
-        angle: ElectricalAngle(if turns_back { phase.wrapping_neg() } else { phase }),
-        amplitude: Milliamps(3000),
-    };
+    let phase = f64::from(tick % (20 << 12)) / f64::from(1 << 12) * TAU;
+    let turns_back = tick / (20 << 12) % 2 == 1;
+    let sine = if turns_back { -phase.sin() } else { phase.sin() };
+    let leg = |voltage: f64| Duty((32_768.0 * (1.0 + voltage / 12.0)) as u16);
     Actuators {
-        stage,
+        stage: PowerStage::Legs([leg(phase.cos()), leg(-phase.cos()), leg(sine), leg(-sine)]),
         ..Actuators::default()
     }
 }

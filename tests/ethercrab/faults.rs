@@ -9,7 +9,6 @@ use rig::Rig;
 use usr2556e::drive::{DriveConfig, VirtualDrive};
 use usr2556e::flash;
 use usr2556e::master::axis::AxisError;
-use usr2556e::master::process_data::Inputs;
 use usr2556e::master::sdo;
 
 use crate::raw_mailbox::fetch;

@@ -145,8 +145,10 @@ fn saving_and_restoring_act_on_1_only_and_at_standstill_only() {
             }
             assert_eq!(write(command, b"save").await, Some(AbortCode::LengthMismatch));
         }
-        // Without shaft lock, profile velocity moves as soon as it is enabled.
-        assert_eq!(write("200A", &[0, 0]).await, None);
+        // Without shaft lock and identification, profile velocity moves as soon as it is enabled.
+        for address in ["200A", "200B:1"] {
+            assert_eq!(write(address, &[0, 0]).await, None);
+        }
         let group = bring_up::to_op(main, pace, group, CYCLE).await.unwrap();
         let drive = group.subdevice(main, 0).unwrap();
         let write = async |address: &str, value: &[u8]| refusal(sdo::write(&drive, address.parse().unwrap(), value).await);

@@ -66,12 +66,17 @@ impl Axis {
 
     /// Brings the drive to Operation Enabled and through its shaft lock.
     pub fn enable(&mut self) {
+        self.try_to_enable();
+        assert_eq!(self.drive.power_state(), PowerState::OperationEnabled);
+    }
+
+    /// As [`Axis::enable`], but the drive may meet a fault.
+    pub fn try_to_enable(&mut self) {
         for controlword in [0, 0x06, 0x0F] {
             self.objects.controlword = controlword;
             self.tick();
         }
         self.ticks(2 * usize::from(self.objects.soft_lock_time) + 10);
-        assert_eq!(self.drive.power_state(), PowerState::OperationEnabled);
     }
 
     pub fn tick(&mut self) {

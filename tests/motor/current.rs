@@ -78,13 +78,12 @@ fn gains_of_a_motors_resistance_and_inductance_make_the_same_step_of_every_motor
 // manual: 2.2.11/loop
 #[test]
 fn without_the_anti_windup_gain_a_step_at_the_voltages_limit_overshoots() {
-    let mut overshoot = [0, 256].map(|gain| {
+    let overshoot = [0, 256].map(|gain| {
         let mut axis = Axis::new(motors::AS1010, 24.0);
         axis.objects.current_loop_kc = gain;
         step(&mut axis, 4_000).overshoot
     });
     assert!(overshoot[0] > 0.05 && overshoot[1] < 0.01, "{overshoot:?}");
-    overshoot.sort_by(f64::total_cmp);
 }
 
 #[test]
@@ -97,9 +96,11 @@ fn gains_at_the_ends_of_their_ranges_leave_duties_and_currents_finite() {
                 axis.objects.current_loop_ki,
                 axis.objects.current_loop_kc,
             ) = (kp, ki, kc);
-            axis.enable();
+            axis.try_to_enable();
             axis.ramp_to(5.0, 50.0);
             axis.seconds(0.2);
+            // A loop with such gains may swing, or make next to no current, until the protection ends it.
+            assert!([0, 0x2211, 0x7122].contains(&axis.objects.error_code), "{}", named.name);
             let (current, voltage) = (axis.drive.current_loop().current(), axis.drive.current_loop().voltage());
             assert!(
                 current.dot(current).is_finite() && voltage.dot(voltage).is_finite(),

@@ -88,13 +88,6 @@ pub enum PowerStage {
     /// All transistors off: no current, the shaft is free.
     #[default]
     Off,
-    /// A current vector in the windings: winding A carries `amplitude * cos(angle)`, winding B `amplitude * sin(angle)`.
-    Field {
-        /// The vector's direction, which the rotor follows.
-        angle: ElectricalAngle,
-        /// The peak of the sinusoidal phase current.
-        amplitude: Milliamps,
-    },
     /// The four legs (half bridges) switch: A+, A-, B+, B-. The duty is the share of the PWM period in which the upper transistor is on.
     ///
     /// A PWM period lasts a tick and takes its duties at its start: the command that a tick ends with acts in the period after it, and the

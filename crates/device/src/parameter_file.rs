@@ -389,6 +389,8 @@ mod tests {
         file.take(b"2000:00 = 200").unwrap();
         drive.set_network(true);
         (objects.mode, objects.target_velocity, objects.controlword) = (3, 10_000, 0x0F);
+        // There is no motor to identify, and none to miss.
+        (objects.auto_pi, objects.error_detection) = (0, 0);
         let sensors = Sensors {
             bus_voltage: Millivolts(24_000),
             ..Sensors::default()

@@ -160,7 +160,7 @@ impl Scale {
             return ((phase << 32) / self.divisor as u64) as u32;
         }
         // The reciprocal is rounded down, so the estimate is, too: by two at the most.
-        let mut quotient = phase + (phase * self.reciprocal as u64 >> 32);
+        let mut quotient = phase + ((phase * self.reciprocal as u64) >> 32);
         let mut rest = (phase << 32) - quotient * self.divisor as u64;
         while rest >= self.divisor as u64 {
             quotient += 1;

@@ -17,7 +17,6 @@
 //! | [`energy`] | [`EnergyAccount`]: where the energy goes |
 //! | [`travel`] | [`Travel`]: the axis with its end stops, two limit switches and a home switch |
 //! | `terminals` | the input terminals: what is wired to them, and when within a step they change |
-//! | `rotor` | an ideal shaft, which follows a commanded field with a lag of first order |
 //!
 //! [`Plant::step`] takes one control tick. It holds no clock and no randomness but the seeded noise of [`sensing`]: the same actuator commands give the
 //! same sensor values, bit for bit, on every machine.
@@ -38,14 +37,13 @@ mod machine;
 pub mod motor;
 pub mod motors;
 mod observation;
-mod rotor;
 pub mod sensing;
 pub mod supply;
 mod terminals;
 pub mod travel;
 mod windings;
 
-use board::{Actuators, Duty, ElectricalAngle, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
+use board::{Actuators, Duty, InputLevels, LEG_COUNT, Milliamps, Millivolts, OutputLevels, PowerStage, Sensors};
 use bridge::Applied;
 pub use bridge::BridgeParameters;
 pub use config::{PlantConfig, Wiring};
@@ -110,13 +108,9 @@ impl Plant {
     pub fn step(&mut self, actuators: &Actuators) -> Sensors {
         let start = self.axis();
         self.outputs = actuators.outputs;
-        if let PowerStage::Field { angle, amplitude } = actuators.stage {
-            self.follow(angle, amplitude);
-        } else {
-            let stage = self.preload(actuators.stage);
-            self.drive(stage);
-            self.phase_currents = self.currents().map(|ampere| self.converter.current(ampere));
-        }
+        let stage = self.preload(actuators.stage);
+        self.drive(stage);
+        self.phase_currents = self.currents().map(|ampere| self.converter.current(ampere));
         self.bus_voltage = self.converter.voltage(self.bus.voltage);
         let inputs = self.terminals.step(start, self.axis());
         self.sensors_with(inputs)
@@ -132,15 +126,6 @@ impl Plant {
         };
         let present = core::mem::replace(&mut self.duties, next);
         next.map_or(PowerStage::Off, |_| PowerStage::Legs(present.unwrap_or(IDLE)))
-    }
-
-    /// The ideal motor: no currents of its own, no inertia, nothing that it takes from the bus.
-    fn follow(&mut self, angle: ElectricalAngle, amplitude: Milliamps) {
-        let shaft = rotor::follow(self.shaft(), angle, amplitude);
-        let (lowest, highest) = self.config.travel.stops;
-        self.state = State::of(at_rest(Turns(shaft.0.clamp(lowest.0, highest.0))));
-        self.phase_currents = rotor::phase_currents(angle, amplitude);
-        self.bus.step(0.0);
     }
 
     /// A tick of bridge, motor, load and supply.

@@ -70,7 +70,7 @@ impl Plant {
         self.machine.load_torque(&self.state)
     }
 
-    /// Where the energy has gone since power-on. The ideal motor of [`PowerStage::Field`] has no energy.
+    /// Where the energy has gone since power-on.
     pub fn energy(&self) -> EnergyAccount {
         let stored = self.stored();
         EnergyAccount {

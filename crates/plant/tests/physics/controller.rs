@@ -60,10 +60,15 @@ pub fn legs(phases: Phases, [a, b]: [f64; 2]) -> [f64; 4] {
 
 /// A tick at whose start the legs get duties for the next.
 pub fn step(plant: &mut Plant, duties: [Duty; 4]) {
-    plant.step(&Actuators {
+    plant.step(&commands(duties));
+}
+
+/// Duties and nothing else.
+pub fn commands(duties: [Duty; 4]) -> Actuators {
+    Actuators {
         stage: PowerStage::Legs(duties),
         outputs: OutputLevels(0),
-    });
+    }
 }
 
 /// A field that turns.
@@ -87,6 +92,11 @@ impl Field {
     pub fn tick(&mut self, plant: &mut Plant, acceleration: f64) {
         let duties = self.duties(plant);
         step(plant, duties);
+        self.advance(acceleration);
+    }
+
+    /// Turns on by a tick.
+    pub fn advance(&mut self, acceleration: f64) {
         self.phase += PERIODS * (self.speed + acceleration * TICK / 2.0) * TICK;
         self.speed += acceleration * TICK;
     }

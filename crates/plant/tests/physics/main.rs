@@ -8,3 +8,4 @@ mod motor;
 mod power_stage;
 mod reference;
 mod supply;
+mod terminals;
