@@ -85,6 +85,7 @@ fn help_lists_every_command() {
         "cable",
         "fault",
         "motor",
+        "tune",
         "scan",
         "sdo",
         "move",

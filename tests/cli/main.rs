@@ -6,6 +6,7 @@
 //! | [`files`] | the demonstration, exports, EEPROM files, captures |
 //! | [`arguments`] | what cannot be meant |
 //! | [`motor`] | motors, and the motor of a drive |
+//! | [`tune`] | values found by experiment |
 //! | [`network`] | interfaces and privileges |
 //! | [`cables`] | rings, and cables that are cut |
 //! | [`faults`] | windings, motor and supply that break |
@@ -19,6 +20,7 @@ mod files;
 mod motor;
 mod network;
 mod program;
+mod tune;
 
 use libtest_mimic::{Arguments, Trial};
 use program::Outcome;
@@ -31,6 +33,7 @@ fn main() -> std::process::ExitCode {
         arguments::CASES,
         files::CASES,
         motor::CASES,
+        tune::CASES,
         network::CASES,
         exec::CASES,
         cables::CASES,

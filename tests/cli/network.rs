@@ -1,13 +1,11 @@
 //! Interfaces and privileges: every message tells what to type.
 
-use std::io::{BufRead, BufReader};
-use std::net::UdpSocket;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 
 use libtest_mimic::Completion;
 
 use super::Case;
-use super::program::{Outcome, beside_drives, command, done, end_of, is_installed, path, run, with_exec};
+use super::program::{Outcome, Serving, beside_drives, done, end_of, is_installed, path, run, with_exec};
 
 pub const CASES: &[Case] = &[
     ("an_interface_that_is_not_there_lists_the_others", || {
@@ -91,41 +89,17 @@ fn a_missing_privilege_names_the_ways_out() -> Outcome {
     Ok(Completion::Completed)
 }
 
-/// A program that is ended when the test is over, whatever its outcome.
-struct Serving(Child);
-
-impl Drop for Serving {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
 fn drives_are_served_and_led_over_udp() {
-    // A port that was free a moment ago.
-    let port = UdpSocket::bind("127.0.0.1:0")
-        .and_then(|socket| socket.local_addr())
-        .expect("a free port")
-        .port();
-    let address = format!("127.0.0.1:{port}");
-    let mut serving = Serving(
-        command(["run", "--udp", &address, "--drives", "2"])
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the program starts"),
-    );
-    let mut line = String::new();
-    BufReader::new(serving.0.stdout.take().expect("a pipe"))
-        .read_line(&mut line)
-        .expect("a line");
-    assert_eq!(line, format!("Serving 2 drives on UDP {address}; Ctrl-C ends.\n"));
-    run(["scan", "--udp", &address])
+    let serving = Serving::over_udp(&["--drives", "2"]);
+    let address = serving.address.as_str();
+    assert_eq!(serving.line, format!("Serving 2 drives on UDP {address}; Ctrl-C ends.\n"));
+    run(["scan", "--udp", address])
         .with(0)
         .prints(&["serial number 1", "serial number 2"]);
-    run(["sdo", "--udp", &address, "--drive", "2", "write", "2000", "2500"])
+    run(["sdo", "--udp", address, "--drive", "2", "write", "2000", "2500"])
         .with(0)
         .prints(&["2500"]);
-    run(["run", "--udp", &address]).with(1).says(&["is in use", "--udp ADDRESS:PORT"]);
+    run(["run", "--udp", address]).with(1).says(&["is in use", "--udp ADDRESS:PORT"]);
 }
 
 fn an_address_that_cannot_be_served_is_told() {

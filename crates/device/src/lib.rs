@@ -5,7 +5,7 @@
 //! | [`identity`] | names and numbers: the one table behind 0x1018, SII and ESI |
 //! | [`layout`] | sync managers, FMMUs, default PDOs, clock modes, time-outs |
 //! | [`sii`] | the EEPROM image made from both |
-//! | `parameter_file` | saved parameters as a file: backup and restore |
+//! | [`parameter_file`] | saved parameters as a file: backup and restore |
 //! | `application` | what the slave stack asks of the drive |
 //! | `parameter_set` | the saved parameters as bytes |
 //! | `parameter_store` | the flash that keeps them, whatever happens to the power |
@@ -24,7 +24,7 @@ mod application;
 mod flash;
 pub mod identity;
 pub mod layout;
-mod parameter_file;
+pub mod parameter_file;
 mod parameter_set;
 mod parameter_store;
 pub mod sii;

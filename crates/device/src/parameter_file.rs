@@ -4,7 +4,7 @@
 //! is a comment. Lines may come in any order and be left out. A file takes effect as a whole when all of it is there and right, or not at
 //! all; it changes the values in effect, as SDO downloads do, and not those in flash memory.
 
-use core::fmt::{Arguments, Write};
+use core::fmt::{self, Arguments, Write};
 
 use dictionary::{Entry, Lookup, MAX_VALUE_SIZE, Objects, lookup};
 use drive::{Drive, DriveObjects};
@@ -51,13 +51,20 @@ pub(crate) fn line(objects: &DriveObjects, line: usize, out: &mut Line) -> bool 
     let Some((slot, entry)) = saved.nth(position) else {
         return false;
     };
-    let value = value(objects, slot, entry);
-    _ = write!(out, "{:04X}:{:02X} = {value} # {}", entry.index, entry.sub, entry.name);
-    _ = match entry.unit {
+    _ = write_line(out, entry, value(objects, slot, entry));
+    true
+}
+
+/// Writes the line that gives an object a value, for a file of one's own.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_line(out: &mut impl Write, entry: &Entry, value: i64) -> fmt::Result {
+    write!(out, "{:04X}:{:02X} = {value} # {}", entry.index, entry.sub, entry.name)?;
+    match entry.unit {
         "" => writeln!(out),
         unit => writeln!(out, ", {unit}"),
-    };
-    true
+    }
 }
 
 /// The value of an entry of at most 32 bits, as all parameters are.

@@ -22,6 +22,8 @@
 //! | [`kept_folder`] | EEPROMs and parameters that outlast the program |
 //! | [`status`] | status lines |
 //! | [`test_bench`] | a drive and a motor without a network, with a load of any torque |
+//! | [`tuning`] | values of objects found by experiment |
+//! | `parallel` | work on all cores |
 //! | [`program`] | the command line |
 //!
 //! A test of one's own needs [`segment::VirtualSegment`] and [`segment::InMemory`], and no privileges:
@@ -51,9 +53,11 @@ pub mod master;
 pub mod motor;
 pub mod motor_view;
 pub mod namespace;
+mod parallel;
 pub mod program;
 pub mod segment;
 pub mod server;
 pub mod status;
 pub mod synchronism;
 pub mod test_bench;
+pub mod tuning;

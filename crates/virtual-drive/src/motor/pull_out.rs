@@ -1,12 +1,10 @@
 //! The torque a motor carries at each speed: by formula, and by simulation of the drive's own control law on the motor.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::thread;
 use std::time::Duration;
 
 use plant::Envelope;
 
+use crate::parallel;
 use crate::test_bench::{NotEnabled, Setup, TestBench};
 
 /// How long a load rises.
@@ -63,33 +61,16 @@ pub fn speeds(setup: &Setup, count: usize) -> Vec<f64> {
 pub fn measure(setup: &Setup, speeds: &[f64], done: &(dyn Fn() + Sync)) -> Result<Vec<Point>, NotEnabled> {
     let bench = TestBench::enabled(setup)?;
     let envelope = envelope(setup);
-    let next = AtomicUsize::new(0);
-    let found = Mutex::new(vec![None; speeds.len()]);
-    let work = || {
-        loop {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&speed) = speeds.get(place) else { return };
-            let torque = envelope.torque_at(speed);
-            let simulated = largest_torque(&bench, speed, torque);
-            let mut found = found.lock().unwrap_or_else(PoisonError::into_inner);
-            found[place] = Some(Point {
-                speed,
-                envelope: torque,
-                simulated,
-            });
-            drop(found);
-            done();
-        }
-    };
-    let threads = thread::available_parallelism().map_or(1, usize::from).min(speeds.len().max(1));
-    thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(work);
-        }
-        work();
-    });
-    let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(found.into_iter().flatten().collect())
+    Ok(parallel::map(speeds, |&speed| {
+        let torque = envelope.torque_at(speed);
+        let point = Point {
+            speed,
+            envelope: torque,
+            simulated: largest_torque(&bench, speed, torque),
+        };
+        done();
+        point
+    }))
 }
 
 /// The largest torque that the motor carries at a speed; `None` if it does not get there.

@@ -1,6 +1,7 @@
 //! What can be typed.
 
 pub mod motor;
+pub mod tune;
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use crate::breakdown::LARGEST_OFFSET;
 use crate::control::CONTROL_VARIABLE;
 use crate::master::sdo::Address;
 use motor::{Equipment, MotorOptions};
+use tune::TuneOptions;
 
 /// The address of `--udp` alone: this computer, the port of EtherCAT.
 const LOCAL_UDP: &str = "127.0.0.1:34980";
@@ -43,6 +45,8 @@ pub enum Command {
     Cable(Cable),
     /// List motors, show their values, and draw the torque they have at each speed
     Motor(MotorOptions),
+    /// Find values for a drive by experiment on a virtual one
+    Tune(TuneOptions),
     /// Break winding, motor or supply of a drive that is being served, list what is broken, or mend it
     ///
     /// The drive finds out by itself, as a real one does, or does not. The exit status is 0 when the order was carried out, and 1 when not.

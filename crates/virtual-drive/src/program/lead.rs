@@ -29,7 +29,7 @@ const STANDSTILL: Duration = Duration::from_millis(200);
 /// How often process data are exchanged: easily kept without real-time privileges, and well within the drive's watchdog of 100 ms.
 const CYCLE: Duration = Duration::from_millis(2);
 
-fn on_bus<T>(bus: &Bus, conversation: impl AsyncFnOnce(&MainDevice<'_>, &Pace) -> anyhow::Result<T>) -> anyhow::Result<T> {
+pub(super) fn on_bus<T>(bus: &Bus, conversation: impl AsyncFnOnce(&MainDevice<'_>, &Pace) -> anyhow::Result<T>) -> anyhow::Result<T> {
     let link: Box<dyn Link> = match (bus.udp, &bus.interface) {
         (Some(drives), _) => Box::new(UdpLink::connect(drives)?),
         (None, Some(interface)) => Box::new(RawLink::open(interface, Role::Master)?),
@@ -39,7 +39,7 @@ fn on_bus<T>(bus: &Bus, conversation: impl AsyncFnOnce(&MainDevice<'_>, &Pace) -
 }
 
 /// The bus as messages name it.
-fn name(bus: &Bus) -> String {
+pub(super) fn name(bus: &Bus) -> String {
     match (bus.udp, &bus.interface) {
         (Some(drives), _) => format!("UDP {drives}"),
         (None, interface) => interface.clone().unwrap_or_default(),
@@ -47,7 +47,7 @@ fn name(bus: &Bus) -> String {
 }
 
 /// Scans, and makes sure that there is somebody.
-async fn found(main: &MainDevice<'_>, pace: &Pace, interface: &str) -> anyhow::Result<Group<PreOp>> {
+pub(super) async fn found(main: &MainDevice<'_>, pace: &Pace, interface: &str) -> anyhow::Result<Group<PreOp>> {
     let group = bring_up::scan(main, pace).await.with_context(|| {
         format!("scanning the bus on {interface}; if no drive is there, check its cable and supply, or start one with: usr2556e run --interface ...")
     })?;
@@ -58,7 +58,7 @@ async fn found(main: &MainDevice<'_>, pace: &Pace, interface: &str) -> anyhow::R
     Ok(group)
 }
 
-fn position(group: &Group<PreOp>, drive: u16) -> anyhow::Result<usize> {
+pub(super) fn position(group: &Group<PreOp>, drive: u16) -> anyhow::Result<usize> {
     ensure!(
         usize::from(drive) <= group.len(),
         "there is no drive {drive}: the bus has {}, counted from 1",
@@ -123,7 +123,7 @@ fn value_bytes(address: Address, text: &str) -> anyhow::Result<Vec<u8>> {
 }
 
 /// An SDO error with the abort code's meaning where the drive has sent one.
-fn refused(doing: &str, address: Address, error: ethercrab::error::Error) -> anyhow::Error {
+pub(super) fn refused(doing: &str, address: Address, error: ethercrab::error::Error) -> anyhow::Error {
     match abort_code(&error) {
         Some(code) => anyhow::anyhow!("{doing} {address}: the drive answers {code}"),
         None => anyhow::Error::new(error).context(format!("{doing} {address}")),

@@ -7,6 +7,7 @@
 //! | `serve` | `run` and `exec` |
 //! | `order` | `cable` and `fault`: orders to a drive server |
 //! | `motor` | `motor`: motors and their torque |
+//! | `tune` | `tune`: values found by experiment |
 //! | `lead` | `scan`, `sdo`, `move`: the built-in master on an interface |
 //! | `export` | `esi` and `sii` |
 
@@ -17,6 +18,7 @@ mod lead;
 mod motor;
 mod order;
 mod serve;
+mod tune;
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -36,6 +38,7 @@ pub fn run() -> ExitCode {
         Some(Command::Cable(options)) => order::cable(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Fault(options)) => order::fault(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Motor(options)) => motor::motor(&options).map(|()| ExitCode::SUCCESS),
+        Some(Command::Tune(options)) => tune::tune(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Scan(options)) => lead::scan(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Sdo(options)) => lead::sdo(&options).map(|()| ExitCode::SUCCESS),
         Some(Command::Move(options)) => lead::move_axis(&options),

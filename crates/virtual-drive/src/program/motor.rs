@@ -166,12 +166,35 @@ const USUAL_SUPPLY: f64 = 36.0;
 /// The largest peak of the phase current that the drive can be set to, in A (0x2000).
 const MOST_CURRENT: f64 = 6.0;
 
+/// What is on a test bench.
+pub(super) struct Bench {
+    pub setup: Setup,
+    /// Peak of the phase current in A.
+    pub current: f64,
+    /// All of it in words.
+    pub title: String,
+}
+
+impl Bench {
+    /// What is not given is what the motor's file tells, or what is usual.
+    pub(super) fn of(motor: &Motor, supply: Option<f64>, current: Option<f64>, load_inertia: Option<f64>) -> Self {
+        let supply = supply.or(motor.supply).unwrap_or(USUAL_SUPPLY);
+        let current = current.unwrap_or(motor.parameters.rated_current.min(MOST_CURRENT));
+        let load_inertia = load_inertia.or(motor.load_inertia).unwrap_or(0.0);
+        Self {
+            setup: Setup::of(&motor.parameters, supply, current).with_load_inertia(load_inertia),
+            current,
+            title: format!(
+                "{}: {supply} V, {current:.2} A peak, load {} g cm^2",
+                motor.name,
+                number(load_inertia * 1e7)
+            ),
+        }
+    }
+}
+
 fn pull_out(options: &MotorPullOut) -> anyhow::Result<()> {
-    let motor = &options.motor;
-    let supply = options.supply.or(motor.supply).unwrap_or(USUAL_SUPPLY);
-    let current = options.current.unwrap_or(motor.parameters.rated_current.min(MOST_CURRENT));
-    let load_inertia = options.load_inertia.or(motor.load_inertia).unwrap_or(0.0);
-    let setup = Setup::of(&motor.parameters, supply, current).with_load_inertia(load_inertia);
+    let Bench { setup, title, .. } = Bench::of(&options.motor, options.supply, options.current, options.load_inertia);
     let unwritable = || {
         format!(
             "cannot write {}; choose another file with --output FILE.svg",
@@ -181,11 +204,6 @@ fn pull_out(options: &MotorPullOut) -> anyhow::Result<()> {
     // Before the work, not after it.
     fs::write(&options.output, "").with_context(unwritable)?;
 
-    let title = format!(
-        "{}: {supply} V, {current:.2} A peak, load {} g cm^2",
-        motor.name,
-        number(load_inertia * 1e7)
-    );
     writeln!(io::stdout(), "{title}")?;
     let speeds = pull_out::speeds(&setup, options.points.into());
     let bar = ProgressBar::new(speeds.len() as u64);

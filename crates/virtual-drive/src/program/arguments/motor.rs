@@ -41,7 +41,7 @@ impl Equipment {
     }
 }
 
-fn find_motor(text: &str) -> Result<Motor, String> {
+pub(super) fn find_motor(text: &str) -> Result<Motor, String> {
     Motor::find(text).map_err(|error| format!("{error:#}"))
 }
 
@@ -51,7 +51,7 @@ fn supply(text: &str) -> Result<f64, String> {
 }
 
 /// An inertia in g cm^2, as one in kg m^2.
-fn load_inertia(text: &str) -> Result<f64, String> {
+pub(super) fn load_inertia(text: &str) -> Result<f64, String> {
     let (low, high) = motor::LOAD_INERTIAS;
     between(text, low * GRAM_SQUARE_CENTIMETRES, high * GRAM_SQUARE_CENTIMETRES).map(|inertia| inertia / GRAM_SQUARE_CENTIMETRES)
 }
@@ -115,10 +115,10 @@ pub struct MotorPullOut {
     pub output: PathBuf,
 }
 
-fn working_supply(text: &str) -> Result<f64, String> {
+pub(super) fn working_supply(text: &str) -> Result<f64, String> {
     between(text, 18.0, 50.0)
 }
 
-fn peak_current(text: &str) -> Result<f64, String> {
+pub(super) fn peak_current(text: &str) -> Result<f64, String> {
     between(text, 0.1, 6.0)
 }
