@@ -25,7 +25,7 @@ fn ripple(name: &str, speed: f64, [amplitude, phase_a, phase_b]: [u16; 3]) -> f6
 // manual: 2.2.26/harmonic 2.2.27/phase 2.2.28/phase
 #[test]
 fn the_harmonic_quiets_the_first_resonance() {
-    for (name, speed, registers) in [("17hs4401", 1.531, [58, 487, 1_016]), ("as1050", 0.99, [44, 492, 1_004])] {
+    for (name, speed, registers) in [("17hs4401", 1.531, [58, 504, 4]), ("as1050", 0.99, [44, 492, 1_004])] {
         let before = ripple(name, speed, [0; 3]);
         let after = ripple(name, speed, registers);
         assert!(before > 0.1, "{name} resonates: {before:.4}");

@@ -110,7 +110,7 @@ pub(super) fn sdo(options: &Sdo) -> anyhow::Result<()> {
     })
 }
 
-fn value_bytes(address: Address, text: &str) -> anyhow::Result<Vec<u8>> {
+pub(super) fn value_bytes(address: Address, text: &str) -> anyhow::Result<Vec<u8>> {
     let Some(data_type) = address.data_type() else {
         bail!("the type of {address} is not known, so its length is not either; only objects of this drive's dictionary can be written");
     };

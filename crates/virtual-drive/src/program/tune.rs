@@ -12,7 +12,7 @@ use plant::Phases;
 
 use super::arguments::Bus;
 use super::arguments::tune::{TuneAction, TuneOptions, TuneVibration};
-use super::lead::{found, name, on_bus, position, refused};
+use super::lead::{found, name, on_bus, position, refused, value_bytes};
 use super::motor::Bench;
 use crate::master::describe;
 use crate::master::sdo::{self, Address};
@@ -235,7 +235,7 @@ impl Drive {
             }
             if save {
                 let address = Address { index: 0x1010, sub: 1 };
-                let written = sdo::write(&drive, address, &1_u32.to_le_bytes()).await;
+                let written = sdo::write(&drive, address, &value_bytes(address, "1")?).await;
                 written.map_err(|error| refused("saving the parameters with", address, error))?;
             }
             let kept = match save {
