@@ -2,7 +2,7 @@
 
 use ethercrab::MainDevice;
 use ethercrab::subdevice_group::{Op, PreOp};
-use plant::Turns;
+use plant::{MotorParameters, Turns};
 use rig::{CYCLE, Rig};
 use usr2556e::drive::DriveConfig;
 use usr2556e::master::axis::Axis;
@@ -14,8 +14,11 @@ use usr2556e::master::{Pace, process_data};
 const LEFT: f64 = 5_123.4;
 const RIGHT: f64 = 7_500.8;
 
-/// How far the simulated shaft is behind the commanded position, in seconds: two ticks and a half.
-const SHAFT_LAG: f64 = 127e-6;
+/// Drag of the motor in Nm s/rad. It has neither friction nor detent, so that its lag is one of time.
+const DRAG: f64 = 6e-3;
+/// How far the shaft is behind the commanded position, in seconds: drag over 50 electrical periods a turn and the torque of 3 A, and the
+/// tick (50 us) at whose end the field has the position that probes take for that of its start.
+const SHAFT_LAG: f64 = DRAG / (50.0 * 0.954) + 50e-6;
 
 /// Times of the positive edges of latch units 0 and 1, and the system time.
 const LATCH_TIME: u16 = 0x09B0;
@@ -23,6 +26,12 @@ const SYSTEM_TIME: u16 = 0x0910;
 
 fn with_flag() -> Rig {
     let mut config = DriveConfig::numbered(0);
+    config.plant.motor = MotorParameters {
+        detent_torque: 0.0,
+        friction: 0.0,
+        drag: DRAG,
+        ..plant::motors::QSH5718_56
+    };
     config.plant.flags[0] = Some((Turns(LEFT / rig::PULSES_PER_TURN), Turns(RIGHT / rig::PULSES_PER_TURN)));
     Rig::with([config])
 }
