@@ -3,6 +3,7 @@
 //! | module | holds |
 //! |---|---|
 //! | [`program`] | starting the program, and what it has left behind |
+//! | [`serving`] | drives that are served beside a test |
 //! | [`files`] | the demonstration, exports, EEPROM files, captures |
 //! | [`arguments`] | what cannot be meant |
 //! | [`motor`] | motors, and the motor of a drive |
@@ -20,6 +21,7 @@ mod files;
 mod motor;
 mod network;
 mod program;
+mod serving;
 mod tune;
 
 use libtest_mimic::{Arguments, Trial};

@@ -5,7 +5,8 @@ use std::process::Command;
 use libtest_mimic::Completion;
 
 use super::Case;
-use super::program::{Outcome, Serving, beside_drives, done, end_of, is_installed, path, run, with_exec};
+use super::program::{Outcome, beside_drives, done, end_of, is_installed, path, run, with_exec};
+use super::serving::Serving;
 
 pub const CASES: &[Case] = &[
     ("an_interface_that_is_not_there_lists_the_others", || {

@@ -1,10 +1,8 @@
 //! The program as its users have it: a process with arguments, output and an exit status.
 
 use std::ffi::OsStr;
-use std::io::{BufRead, BufReader};
-use std::net::UdpSocket;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use libtest_mimic::{Completion, Failed};
 
@@ -88,46 +86,6 @@ pub fn end_of(command: &mut Command) -> Ended {
 /// Runs a shell script beside virtual drives.
 pub fn beside_drives(options: &[&str], script: &str) -> Ended {
     run(["exec"].iter().chain(options).chain(&["--", "sh", "-c", script]))
-}
-
-/// Drives that are served over UDP until the test is over, whatever its outcome.
-pub struct Serving {
-    process: Child,
-    /// Where they are.
-    pub address: String,
-    /// The first line that the program has printed.
-    pub line: String,
-}
-
-impl Serving {
-    /// Serves drives on this computer.
-    pub fn over_udp(options: &[&str]) -> Self {
-        // A port that was free a moment ago.
-        let port = UdpSocket::bind("127.0.0.1:0")
-            .and_then(|socket| socket.local_addr())
-            .expect("a free port")
-            .port();
-        let address = format!("127.0.0.1:{port}");
-        let process = command(["run", "--udp", &address].iter().chain(options))
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the program starts");
-        let mut serving = Self {
-            process,
-            address,
-            line: String::new(),
-        };
-        let out = serving.process.stdout.take().expect("a pipe");
-        BufReader::new(out).read_line(&mut serving.line).expect("a line");
-        serving
-    }
-}
-
-impl Drop for Serving {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
-    }
 }
 
 /// Why the system forbids networks of one's own, if that is what `usr2556e exec` has ended with.

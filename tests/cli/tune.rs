@@ -8,7 +8,8 @@ use std::time::Duration;
 use tempfile::tempdir;
 
 use super::Case;
-use super::program::{Ended, Serving, done, run};
+use super::program::{Ended, done, run};
+use super::serving::Serving;
 
 pub const CASES: &[Case] = &[
     ("the_help_of_tuning_says_whose_interpretation_it_is", || {

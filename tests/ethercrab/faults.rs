@@ -4,11 +4,15 @@ use std::time::Duration;
 
 use board::{InputLevels, Millivolts};
 use drive::{Alarm, PowerState};
-use ethercrab::Command;
+use ethercrab::subdevice_group::PreOp;
+use ethercrab::{Command, MainDevice};
 use rig::Rig;
+use usr2556e::breakdown::Breakdown;
 use usr2556e::drive::{DriveConfig, VirtualDrive};
 use usr2556e::flash;
 use usr2556e::master::axis::AxisError;
+use usr2556e::master::bring_up::Group;
+use usr2556e::master::process_data::{mode, statusword};
 use usr2556e::master::sdo;
 
 use crate::raw_mailbox::fetch;
@@ -101,70 +105,186 @@ fn faults_are_told_by_objects_emergency_and_led_and_cleared_by_controlword_or_in
     }
 }
 
-/// A fault that takes an enabled motor.
+/// What a breakdown leads to while the motor is enabled.
 struct Enabled {
+    breakdown: Breakdown,
     code: u16,
     error_register: u8,
     alarm_code: u16,
     red: u8,
-    /// What is wrong with the motor.
-    motor: fn(&mut plant::MotorParameters),
-    /// What goes wrong after the motor was enabled.
-    provoke: fn(&Rig),
 }
 
-const ENABLED: [Enabled; 3] = [
+const ENABLED: [Enabled; 6] = [
+    lost_phase(Breakdown::OpenA),
+    lost_phase(Breakdown::OpenB),
+    overcurrent(Breakdown::ShortedA),
+    overcurrent(Breakdown::ShortedB),
     Enabled {
-        code: 0x7122,
-        error_register: 0x01,
-        alarm_code: 0,
-        red: 7,
-        motor: |motor| (motor.resistance, motor.inductance) = (1e6, 1e3),
-        provoke: |_| (),
-    },
-    Enabled {
-        code: 0x2211,
-        error_register: 0x03,
-        alarm_code: 0x0002,
-        red: 1,
-        motor: |motor| (motor.resistance, motor.inductance) = (0.1, 20e-6),
-        provoke: |_| (),
-    },
-    Enabled {
+        breakdown: Breakdown::Supply(Millivolts(-22_000)),
         code: 0x3210,
         error_register: 0x05,
         alarm_code: 0x0001,
         red: 3,
-        motor: |_| (),
-        provoke: |rig| rig.touch(0, |drive| drive.plant_mut().set_supply(Millivolts(14_000))),
+    },
+    Enabled {
+        breakdown: Breakdown::Supply(Millivolts(26_000)),
+        code: 0x3110,
+        error_register: 0x05,
+        alarm_code: 0x0004,
+        red: 2,
     },
 ];
 
-// manual: 1.6/overcurrent 1.6/internal-voltage 1.6/phase-loss 2.2.14/overcurrent 2.2.14/internal-voltage 2.3.1/2211 2.3.1/3210 2.3.1/7122
-#[test]
-fn faults_of_an_enabled_motor_are_told_by_objects_emergency_and_led() {
-    for case in &ENABLED {
-        let mut config = DriveConfig::numbered(0);
-        (case.motor)(&mut config.plant.motor);
-        let rig = Rig::with([config]);
-        rig.in_op(async |axis| {
-            axis.enable().await.unwrap();
-            (case.provoke)(&rig);
-            let end = axis.until("no fault", Duration::from_secs(1), |_| false).await;
-            assert!(matches!(end, Err(AxisError::Fault { .. })), "{:04X}: {end:?}", case.code);
-        });
-        assert_eq!(rig.look(0, |drive| drive.indicators().alarm), Alarm::Fault { red: case.red });
-        // It lies in the mailbox, which the next scan empties.
-        rig.converse(async |main, _| {
-            let message: [u8; 128] = Command::fprd(0x1000, 0x1080).receive(main).await.unwrap();
-            let told = emergency(case.code, case.error_register, case.alarm_code);
-            assert_eq!(message[8..16], told, "{:04X}", case.code);
-        });
-        rig.in_preop(async |main, _, group| {
-            let drive = group.subdevice(main, 0).unwrap();
-            assert_eq!(drive.sdo_read(0x603F, 0).await, Ok(case.code));
-            assert_eq!(drive.sdo_read(0x1001, 0).await, Ok(case.error_register));
-            assert_eq!(drive.sdo_read(0x200E, 0).await, Ok(case.alarm_code));
-        });
+const fn lost_phase(breakdown: Breakdown) -> Enabled {
+    Enabled {
+        breakdown,
+        code: 0x7122,
+        error_register: 0x01,
+        alarm_code: 0,
+        red: 7,
     }
+}
+
+const fn overcurrent(breakdown: Breakdown) -> Enabled {
+    Enabled {
+        breakdown,
+        code: 0x2211,
+        error_register: 0x03,
+        alarm_code: 0x0002,
+        red: 1,
+    }
+}
+
+/// When it breaks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Moment {
+    /// Before the motor is enabled for the first time.
+    Before,
+    /// At standstill, locked.
+    Standing,
+    /// At one turn a second.
+    Moving,
+}
+
+fn broken(rig: &Rig, breakdown: Breakdown) {
+    rig.touch(0, |drive| {
+        let mut faults = drive.plant().faults();
+        breakdown.add_to(&mut faults);
+        drive.plant_mut().set_faults(faults);
+    });
+}
+
+/// Enables, moves and breaks; the drive is expected to find out by itself, within a second of motion at the latest.
+fn break_at(rig: &Rig, moment: Moment, case: &Enabled) {
+    let slowly = async |main: &MainDevice<'_>, group: &Group<PreOp>| {
+        let drive = group.subdevice(main, 0).unwrap();
+        drive.sdo_write(0x6081, 0, 10_000_u32).await.unwrap();
+    };
+    rig.in_op_after(slowly, async |axis| {
+        axis.outputs.mode = mode::PROFILE_POSITION;
+        if moment == Moment::Before {
+            broken(rig, case.breakdown);
+        }
+        let mut end = axis.enable().await;
+        if moment == Moment::Standing && end.is_ok() {
+            for _ in 0..200 {
+                axis.cycle().await.unwrap();
+            }
+            broken(rig, case.breakdown);
+        }
+        if end.is_ok() {
+            end = axis.set_point(90_000, 0).await;
+        }
+        if moment == Moment::Moving && end.is_ok() {
+            for _ in 0..500 {
+                axis.cycle().await.unwrap();
+            }
+            broken(rig, case.breakdown);
+        }
+        if end.is_ok() {
+            end = axis.until("no fault", Duration::from_secs(1), |_| false).await;
+        }
+        assert!(
+            matches!(end, Err(AxisError::Fault { .. })),
+            "{} {moment:?}: {end:?}",
+            case.breakdown
+        );
+    });
+}
+
+// manual: 1.6/overcurrent 1.6/overvoltage 1.6/internal-voltage 1.6/phase-loss 2.2.14/overcurrent 2.2.14/overvoltage 2.2.14/internal-voltage
+// manual: 2.3.1/2211 2.3.1/3110 2.3.1/3210 2.3.1/7122
+#[test]
+fn what_breaks_at_an_enabled_motor_is_told_by_objects_emergency_and_led() {
+    for case in &ENABLED {
+        for moment in [Moment::Before, Moment::Standing, Moment::Moving] {
+            let is_supply = matches!(case.breakdown, Breakdown::Supply(_));
+            if is_supply && moment == Moment::Before {
+                // A supply out of range keeps the motor from being enabled, or is a fault before.
+                continue;
+            }
+            let rig = Rig::new(1);
+            let what = format!("{} {moment:?}", case.breakdown);
+            break_at(&rig, moment, case);
+            assert_eq!(
+                rig.look(0, |drive| drive.indicators().alarm),
+                Alarm::Fault { red: case.red },
+                "{what}"
+            );
+            // It lies in the mailbox, which the next scan empties.
+            rig.converse(async |main, _| {
+                let message: [u8; 128] = Command::fprd(0x1000, 0x1080).receive(main).await.unwrap();
+                let told = emergency(case.code, case.error_register, case.alarm_code);
+                assert_eq!(message[8..16], told, "{what}");
+            });
+            rig.in_preop(async |main, _, group| {
+                let drive = group.subdevice(main, 0).unwrap();
+                assert_eq!(drive.sdo_read(0x603F, 0).await, Ok(case.code), "{what}");
+                assert_eq!(drive.sdo_read(0x1001, 0).await, Ok(case.error_register), "{what}");
+                assert_eq!(drive.sdo_read(0x200E, 0).await, Ok(case.alarm_code), "{what}");
+            });
+        }
+    }
+}
+
+#[test]
+fn a_rotor_that_is_stuck_loses_its_steps_and_an_open_loop_drive_does_not_know() {
+    let rig = Rig::new(1);
+    rig.in_op(async |axis| {
+        axis.outputs.mode = mode::PROFILE_POSITION;
+        axis.enable().await.unwrap();
+        broken(&rig, Breakdown::StuckRotor);
+        axis.set_point(20_000, 0).await.unwrap();
+        axis.until("arrive", Duration::from_secs(10), |inputs| {
+            inputs.statusword & statusword::TARGET_REACHED != 0
+        })
+        .await
+        .unwrap();
+        assert_eq!(axis.inputs.position, 20_000);
+        assert_eq!(rig.look(0, |drive| drive.motor().lost_periods), 100, "two turns of fifty periods");
+    });
+}
+
+// manual: 2.3.1/3110
+#[test]
+fn braking_a_great_inertia_hard_pumps_the_supply_up_until_the_drive_lets_go() {
+    let mut config = DriveConfig::numbered(0);
+    config.plant.load.inertia = 4e-3;
+    let rig = Rig::with([config]);
+    let ramps = async |main: &MainDevice<'_>, group: &Group<PreOp>| {
+        let drive = group.subdevice(main, 0).unwrap();
+        for (index, value) in [(0x6081, 90_000), (0x6083, 120_000), (0x6084, 200_000)] {
+            drive.sdo_write(index, 0, value).await.unwrap();
+        }
+    };
+    rig.in_op_after(ramps, async |axis| {
+        axis.outputs.mode = mode::PROFILE_POSITION;
+        axis.enable().await.unwrap();
+        axis.set_point(90_000, 0).await.unwrap();
+        let end = axis.until("no fault", Duration::from_secs(3), |_| false).await;
+        assert!(matches!(end, Err(AxisError::Fault { .. })), "{end:?}");
+        let (code, pumped) = rig.look(0, |drive| (drive.status().error_code, drive.motor().bus_voltage));
+        assert_eq!(code, 0x3110);
+        assert!(pumped > 40.0, "the energy is still in the capacitor: {pumped} V");
+    });
 }

@@ -145,19 +145,10 @@ fn varied(named: &motors::NamedMotor, seed: u64, seconds: usize) {
 }
 
 #[test]
-fn varied_motion_with_saturation_and_stall_is_no_fault() {
-    for (seed, named) in motors::ALL.iter().enumerate() {
-        varied(named, seed as u64, 6);
-    }
-}
-
-/// As above for 640 s: `cargo test --release -p integration-tests --test windings -- --ignored`.
-#[test]
-#[ignore = "minutes of simulated time"]
-fn varied_motion_for_minutes_is_no_fault() {
+fn minutes_of_varied_motion_with_saturation_and_stall_are_no_fault() {
     for (number, named) in motors::ALL.iter().enumerate() {
         for part in 0..8 {
-            varied(named, (number * 8 + part + 100) as u64, 10);
+            varied(named, (number * 8 + part) as u64, 10);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The drive as a whole: one tick from sensors and objects to actuators.
 
-use board::{Actuators, Milliamps, Nanos, PowerStage, Sensors};
+use board::{Actuators, Nanos, PowerStage, Sensors};
 use dictionary::AbortCode;
 
 use crate::alarm::{Alarm, AlarmLed, Light};
@@ -8,7 +8,7 @@ use crate::brake::Brake;
 use crate::commissioning::{Commissioning, Order};
 use crate::controlword::{Controlword, StartEdge};
 use crate::current_loop::identification::Winding;
-use crate::current_loop::{self, Bridge, CurrentLoop, Phases, ampere};
+use crate::current_loop::{self, Bridge, CurrentLoop};
 use crate::faults::{Fault, Faults, Measured};
 use crate::homing::Method;
 use crate::inputs::{Inputs, Signals};
@@ -17,10 +17,10 @@ use crate::motion::Motion;
 use crate::objects::{DriveObjects, slots};
 use crate::outputs::{self, Indications};
 use crate::power_control::{Activity, PowerControl, Situation, Stop};
-use crate::power_stage::{Current, CurrentVector, Field};
+use crate::power_stage::{Current, CurrentVector, Field, torque};
 use crate::power_state::PowerState;
 use crate::profile::{Acceleration, Position, Speed};
-use crate::protection::{self, Protection};
+use crate::protection::{Protection, View};
 use crate::statusword::{self, TARGET_REACHED, flag};
 use crate::touch_probe::{self, TouchProbes};
 
@@ -250,17 +250,8 @@ impl Drive {
             self.protection.off();
             return met.or(self.commissioning.broken_circuit());
         }
-        let view = protection::View {
-            currents: sensors.phase_currents.map(ampere),
-            phases: Phases::from_object(objects.motor_type),
-            due: self.vector.filter(|_| !self.commissioning.is_running()),
-            supply: sensors.bus_voltage.0 as f32 * 1e-3,
-            // The gain is the inductance in microhenry (0x200B:02).
-            inductance: f32::from(objects.current_loop_kp) * 1e-6,
-            harmonic: f32::from(objects.harmonic_amplitude) * 1e-3,
-            phase_loss: objects.error_detection & protection::PHASE_LOSS != 0,
-        };
-        self.protection.tick(&view)
+        let due = self.vector.filter(|_| !self.commissioning.is_running());
+        self.protection.tick(&View::new(sensors, due, objects))
     }
 
     /// Moves the commanded position on and returns the mode's bits of the statusword.
@@ -404,15 +395,4 @@ impl Default for Drive {
 fn is_gap(method: i8) -> bool {
     let entry = &DriveObjects::ENTRIES[slots::homing_method];
     (entry.min..=entry.max).contains(&method.into()) && Method::lookup(method, 0).is_none()
-}
-
-/// The current vector's amplitude in per mille of the operating current.
-fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
-    let [first, second] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000));
-    let across = match Phases::from_object(objects.motor_type) {
-        Phases::Two => second.unsigned_abs().pow(2),
-        Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
-    };
-    let amplitude = (first.unsigned_abs().pow(2) + across).isqrt();
-    (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
 }

@@ -2,6 +2,7 @@
 
 use board::{ELECTRICAL_PERIODS_PER_TURN, ElectricalAngle, Milliamps, TICKS_PER_SECOND};
 
+use crate::current_loop::Phases;
 use crate::objects::DriveObjects;
 
 /// Ticks in which the current falls to the standby current, 50 ms: slowly, so that the rotor settles without a jerk.
@@ -175,6 +176,17 @@ const fn period(resolution: u16) -> i64 {
     let sub_pulses_per_pulse = TICKS_PER_SECOND as i64 * TICKS_PER_SECOND as i64;
     let resolution = if resolution == 0 { 1 } else { resolution as i64 };
     resolution * sub_pulses_per_pulse
+}
+
+/// The current vector's amplitude in per mille of the operating current.
+pub fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
+    let [first, second] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000));
+    let across = match Phases::from_object(objects.motor_type) {
+        Phases::Two => second.unsigned_abs().pow(2),
+        Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
+    };
+    let amplitude = (first.unsigned_abs().pow(2) + across).isqrt();
+    (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! What the measured currents tell of faults: over-current and phase loss (manual 1.6, 2.3.1).
 
-use board::{ElectricalAngle, TICKS_PER_SECOND};
+use board::{ElectricalAngle, Sensors, TICKS_PER_SECOND};
 
 use crate::current_loop::{Direction, Phases, ampere};
 use crate::faults::Fault;
+use crate::objects::DriveObjects;
 use crate::power_stage::CurrentVector;
 
 /// Bit 7 of 0x2056: phase loss is a fault (manual, revision V202).
@@ -43,6 +44,22 @@ pub struct View {
     pub harmonic: f32,
     /// Whether a lost phase is a fault: bit 7 of 0x2056.
     pub phase_loss: bool,
+}
+
+impl View {
+    /// What `sensors` show of currents that follow `due`.
+    pub fn new(sensors: &Sensors, due: Option<CurrentVector>, objects: &DriveObjects) -> Self {
+        Self {
+            currents: sensors.phase_currents.map(ampere),
+            phases: Phases::from_object(objects.motor_type),
+            due,
+            supply: sensors.bus_voltage.0 as f32 * 1e-3,
+            // The gain is the inductance in microhenry.
+            inductance: f32::from(objects.current_loop_kp) * 1e-6,
+            harmonic: f32::from(objects.harmonic_amplitude) * 1e-3,
+            phase_loss: objects.error_detection & PHASE_LOSS != 0,
+        }
+    }
 }
 
 /// Looks after the currents while the power stage is on.

@@ -18,6 +18,8 @@ pub struct Report {
     pub field_lag: f64,
     /// Smallest torque reserve while it moved after homing, from 0 to 1.
     pub torque_reserve: f64,
+    /// Lowest and highest voltage at the power stage in V, and the greatest current out of the supply in A.
+    pub bus: (f64, f64, f64),
     /// Electrical periods lost from power-on to the end.
     pub lost_periods: i64,
     /// The same at the end, at rest.
@@ -43,6 +45,7 @@ impl Report {
             shaft_lag: moving().map(|sample| lag(sample).abs()).fold(0.0, f64::max),
             field_lag: moving().map(|sample| sample.motor.lag.abs() * 360.0).fold(0.0, f64::max),
             torque_reserve: moving().filter_map(|sample| sample.motor.torque_reserve).fold(1.0, f64::min),
+            bus: bus(samples),
             lost_periods: samples.cycles.last().map_or(0, |sample| sample.motor.lost_periods),
             shaft_error: last(Phase::Disabling).as_ref().map_or(0.0, lag),
             following_error: samples.of(Phase::CyclicPosition).map(following).max().unwrap_or(0),
@@ -64,6 +67,18 @@ impl Report {
             ),
         }
     }
+}
+
+/// Lowest and highest voltage at the power stage, and the greatest current out of the supply.
+fn bus(samples: &Samples) -> (f64, f64, f64) {
+    samples.cycles.iter().fold((f64::MAX, 0.0, 0.0), |(low, high, current), sample| {
+        let motor = &sample.motor;
+        (
+            low.min(motor.bus_voltage),
+            high.max(motor.bus_voltage),
+            current.max(motor.supply_current),
+        )
+    })
 }
 
 /// How late cycles began, in microseconds: median, 99th percentile, largest.
@@ -102,6 +117,11 @@ impl fmt::Display for Report {
             "  torque            at least {:.0} % of the pull-out torque in reserve; at most {:.0} electrical degrees behind the field",
             self.torque_reserve * 100.0,
             self.field_lag
+        )?;
+        let (low, high, current) = self.bus;
+        writeln!(
+            f,
+            "  power stage       {low:.1} to {high:.1} V, at most {current:.2} A out of the supply"
         )?;
         write!(
             f,
@@ -160,6 +180,7 @@ mod tests {
         assert_eq!((report.home, report.move_end, report.following_error), ((-29, 10_000.0), 30_000, 7));
         assert!((report.shaft_lag - 4.5).abs() < 1e-6 && report.shaft_error.abs() < 1e-6);
         assert!((report.field_lag - 36.0).abs() < 1e-9);
+        assert_eq!(report.bus, (36.0, 36.0, 0.5));
         assert_eq!((report.torque_reserve, report.lost_periods, report.cycles), (0.4, 0, 4));
         assert_eq!(report.lateness, (1.0, 1.0, 1.0));
     }
