@@ -7,9 +7,9 @@ use board::{ELECTRICAL_PERIODS_PER_TURN, TICKS_PER_SECOND};
 use super::vector::Vector;
 
 /// Trim in radians of the electrical period for a torque that deviates by the holding torque. This is 2 zeta wn / w with the corner w of
-/// [`PASS`], a natural frequency wn of 225 Hz, which motors of this class have alone, and a damping ratio zeta of 0.16. With less, at 0.45, a
-/// motor fell out of step 6 % below the envelope of voltage and current; with more, at 0.6, one whose 0x200C:06 was left at a third of the truth
-/// did at four fifths of it.
+/// [`PASS`], a natural frequency wn of 225 Hz, which motors of this class have alone, and a damping ratio zeta of 0.16. With less, at 0.45,
+/// a motor fell out of step 6 % below the envelope of voltage and current; with more, at 0.6, one whose 0x200C:06 was left at a third of
+/// the truth did at four fifths of it.
 const GAIN: f32 = 0.48;
 /// The most that the commanded angle is trimmed, in radians.
 const MOST: f32 = 0.7;
@@ -44,9 +44,10 @@ pub struct Passed {
 
 /// Damps the rotor's swinging by trimming the commanded angle.
 ///
-/// What the windings take beyond their heat and their field is the rotor's power, and over the commanded speed its torque. The field counts where
-/// the current's amplitude is not meant to be even, as with the harmonic of 0x2060, which would be taken for torque otherwise. Torque through a low pass is
-/// the deviation of speed; a trim against it is damping. The mean of the torque, the load's, is left out, so that no trim stays.
+/// What the windings take beyond their heat and their field is the rotor's power, and over the commanded speed its torque. The field counts
+/// where the current's amplitude is not meant to be even, as with the harmonic of 0x2060, which would be taken for torque otherwise. Torque
+/// through a low pass is the deviation of speed; a trim against it is damping. The mean of the torque, the load's, is left out, so that no
+/// trim stays.
 #[derive(Clone, Debug, Default)]
 pub struct Damper {
     torque: f32,

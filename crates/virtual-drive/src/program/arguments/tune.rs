@@ -25,12 +25,12 @@ pub struct TuneOptions {
 pub enum TuneAction {
     /// Find the first resonance of a motor with its load, and the values of 0x2060 to 0x2062 that quiet it
     ///
-    /// Some 150 experiments on a virtual drive: the motor is brought to a speed, and the ripple of its speed measured. Leaves a picture of before and
-    /// after, usr2556e-vibration.svg, and the values as a file, usr2556e-vibration.txt, which the drive takes as parameters.txt by FoE. With
-    /// --interface or --udp they are written to a drive too.
+    /// Some 150 experiments on a virtual drive: the motor is brought to a speed, and the ripple of its speed measured. Leaves a picture of
+    /// before and after, usr2556e-vibration.svg, and the values as a file, usr2556e-vibration.txt, which the drive takes as parameters.txt
+    /// by FoE. With --interface or --udp they are written to a drive too.
     ///
-    /// The manual calls the three objects amplitude and phases of a harmonic, and does not say of which. That it is the third harmonic of the current
-    /// is this project's interpretation: the values are for this drive, and may do nothing or harm at another.
+    /// The manual calls the three objects amplitude and phases of a harmonic, and does not say of which. That it is the third harmonic of
+    /// the current is this project's interpretation: the values are for this drive, and may do nothing or harm at another.
     ///
     /// The exit status is 1, and nothing is written, if there are no values that halve the ripple.
     Vibration(TuneVibration),

@@ -9,8 +9,8 @@ use super::{Ripple, Values};
 use crate::motor::figures;
 use crate::test_bench::{NotEnabled, Setup, TestBench};
 
-/// Periods of the natural frequency that an experiment lets the rotor settle, if it turns alone. An inertia that turns with it lets it swing
-/// longer, with its square root.
+/// Periods of the natural frequency that an experiment lets the rotor settle, if it turns alone. An inertia that turns with it lets it
+/// swing longer, with its square root.
 const SETTLING_PERIODS: f64 = 80.0;
 /// Periods of the natural frequency that the ripple is measured over.
 const MEASURED_PERIODS: f64 = 80.0;

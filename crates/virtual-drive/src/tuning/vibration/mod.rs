@@ -5,18 +5,20 @@
 //! | [`experiment`] | one experiment: a speed, a load, three values, and the ripple that comes of them |
 //! | `resonance` | the search for the speed |
 //! | `search` | the search for the values |
+//! | `not_tuned` | why there are none |
 //! | [`picture`] | the picture of before and after |
 //! | [`parameters`] | the values as a file for the drive |
 //!
 //! The detent torque of a hybrid motor pulls the rotor four times in an electrical period. At a speed of a two-hundredth of the natural
-//! frequency, in turns a second, it does so in time with the rotor's own swinging. A harmonic in the current that pulls the other way cancels
-//! it. The manual names an amplitude and a phase for either winding, and not the harmonic; that it is the third is this project's
+//! frequency, in turns a second, it does so in time with the rotor's own swinging. A harmonic in the current that pulls the other way
+//! cancels it. The manual names an amplitude and a phase for either winding, and not the harmonic; that it is the third is this project's
 //! interpretation, so values found here are good for this project's drive and not known to be good for another.
 //!
 //! Every experiment runs the drive's own control law on the simulated motor, from rest. The same setup has the same result on every
 //! machine.
 
 pub mod experiment;
+mod not_tuned;
 pub mod parameters;
 pub mod picture;
 mod resonance;
@@ -30,8 +32,9 @@ use drive::DriveObjects;
 use plant::Phases;
 
 use crate::parallel;
-use crate::test_bench::{NotEnabled, Setup};
+use crate::test_bench::Setup;
 use experiment::{Conditions, Laboratory};
+pub use not_tuned::NotTuned;
 use search::Search;
 
 /// Experiments until the values are known, those for the resonance among them.
@@ -151,68 +154,6 @@ pub enum Progress {
     Comparison,
 }
 
-/// Why there is nothing to be written.
-#[derive(Clone, Debug, PartialEq)]
-pub enum NotTuned {
-    /// The motor has three phases.
-    ThreePhases,
-    /// The drive does not get enabled.
-    NotEnabled(NotEnabled),
-    /// The resonance is so slow that no experiment ends.
-    TooSlow {
-        /// Where it is to be expected, in turns a second.
-        speed: f64,
-        /// Inertia of motor and load, by that of the motor.
-        inertia: f64,
-    },
-    /// The motor does not keep up with the drive under this load, whatever the speed.
-    Overloaded,
-    /// There is none between these speeds in turns a second.
-    NoResonance(f64, f64),
-    /// The motor turns evenly as it is.
-    Smooth(Conditions, Ripple),
-    /// The harmonic does not help.
-    TooLittle(Comparison),
-}
-
-impl fmt::Display for NotTuned {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::ThreePhases => write!(
-                f,
-                "0x2060 to 0x2062 act on motors of two phases only, for the manual has a phase for winding A and one for B; this motor has three"
-            ),
-            Self::NotEnabled(reason) => write!(f, "{reason}"),
-            Self::TooSlow { speed, inertia } => write!(
-                f,
-                "motor and load have {inertia:.0} times the motor's inertia, which puts the first resonance at {speed:.3} turns/s, where every \
-                 experiment would take more than {LONGEST} simulated seconds; an axis this inert needs a gear or a larger motor"
-            ),
-            Self::Overloaded => write!(
-                f,
-                "the motor falls out of step at every speed about the resonance; lessen the load torque or raise the current"
-            ),
-            Self::NoResonance(slowest, fastest) => write!(
-                f,
-                "the ripple has no maximum between {slowest:.3} and {fastest:.3} turns/s, where the first resonance is to be expected"
-            ),
-            Self::Smooth(Conditions { speed, .. }, ripple) => write!(
-                f,
-                "the motor turns evenly: about its first resonance, its speed deviates by {ripple} at the most, at {speed:.3} turns/s; there is \
-                 nothing to be reduced"
-            ),
-            Self::TooLittle(Comparison { conditions, before, after }) => write!(
-                f,
-                "no values reduce the ripple at the first resonance, {:.3} turns/s, to half: the best of them from {before} to {after}. What \
-                 makes the motor swing there is not of the kind that this harmonic cancels",
-                conditions.speed
-            ),
-        }
-    }
-}
-
-impl std::error::Error for NotTuned {}
-
 /// Finds the values for a motor, its load and its supply, with a load torque in Nm; `progress` is told of every step.
 ///
 /// # Errors
@@ -235,10 +176,7 @@ pub fn tune(setup: &Setup, load_torque: f64, progress: &(dyn Fn(Progress) + Sync
     let expected_amplitude = motor.detent_torque / motor.holding_torque(current) * 1e3;
     let mut search = Search::new(&laboratory, conditions, MOST_EXPERIMENTS - spent, progress);
     let (values, after) = search.best(expected_amplitude);
-    let resonance = Comparison { conditions, before, after };
-    if resonance.factor() * WORTH_WHILE < 1.0 || !after.0.is_finite() {
-        return Err(NotTuned::TooLittle(resonance));
-    }
+    let resonance = worth_while(Comparison { conditions, before, after })?;
     let courses = parallel::map(&[Values::NONE, values], |values| laboratory.course(conditions, *values, 4));
     let compare = |conditions: Vec<Conditions>| {
         parallel::map(&conditions, |&conditions| {
@@ -258,6 +196,16 @@ pub fn tune(setup: &Setup, load_torque: f64, progress: &(dyn Fn(Progress) + Sync
         speeds: compare(speeds(conditions)),
         courses: courses.try_into().unwrap_or_default(),
     })
+}
+
+/// A result that halves the ripple at least.
+fn worth_while(found: Comparison) -> Result<Comparison, NotTuned> {
+    let is_worth_while = found.after.0.is_finite() && found.after.0 <= WORTH_WHILE * found.before.0;
+    if is_worth_while {
+        Ok(found)
+    } else {
+        Err(NotTuned::TooLittle(found))
+    }
 }
 
 /// The comparison's loads; beside no load some of `usual`.

@@ -44,9 +44,9 @@ impl<'a> Search<'a> {
 
     /// The best values, beginning with an expected amplitude in per mille.
     ///
-    /// A harmonic with phases half a turn apart acts against the detent torque; their common phase and the amplitude are what matters most. The
-    /// difference of the phases follows, which acts against what the windings have not in common. A step of the phases is as long as one
-    /// of the amplitude, so that the steps are alike in all directions.
+    /// A harmonic with phases half a turn apart acts against the detent torque; their common phase and the amplitude are what matters most.
+    /// The difference of the phases follows, which acts against what the windings have not in common. A step of the phases is as long as
+    /// one of the amplitude, so that the steps are alike in all directions.
     pub(super) fn best(&mut self, expected_amplitude: f64) -> (Values, Ripple) {
         let amplitude = expected_amplitude.clamp(AMPLITUDES.0, AMPLITUDES.1).round() as i32;
         let ring: Vec<Values> = (0..RING)

@@ -96,3 +96,19 @@ fn a_drive_that_does_not_get_enabled_is_told() {
     let refused = tuned(&QSH5718_56, 70.0).unwrap_err();
     assert_eq!(refused.to_string(), "the drive reports a fault: Overvoltage, code 3110");
 }
+
+#[test]
+fn values_that_do_not_halve_the_ripple_are_no_result() {
+    let result = |before, after| {
+        let conditions = Conditions {
+            speed: 1.0,
+            load_torque: 0.1,
+        };
+        worth_while(Comparison { conditions, before, after })
+    };
+    assert!(result(Ripple(0.44), Ripple(0.22)).is_ok());
+    assert!(result(Ripple::OUT_OF_STEP, Ripple(0.3)).is_ok());
+    assert!(result(Ripple::OUT_OF_STEP, Ripple::OUT_OF_STEP).is_err());
+    let refused = result(Ripple(0.44), Ripple(0.23)).unwrap_err().to_string();
+    assert!(refused.contains("to half: the best of them from 44.00 % to 23.00 %"), "{refused}");
+}
