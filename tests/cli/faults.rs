@@ -11,6 +11,9 @@ pub const CASES: &[Case] = &[
     ("a_supply_that_sags_is_seen_by_the_master", || {
         with_exec(a_supply_that_sags_is_seen_by_the_master)
     }),
+    ("a_move_over_a_broken_cable_ends_with_the_faults_name", || {
+        with_exec(a_move_over_a_broken_cable_ends_with_the_faults_name)
+    }),
 ];
 
 fn a_breakdown_that_cannot_be_meant_is_refused() {
@@ -56,4 +59,14 @@ fn a_supply_that_sags_is_seen_by_the_master() {
         (3_500..3_700).contains(&volts[0]) && (2_500..2_700).contains(&volts[1]) && (3_500..3_700).contains(&volts[2]),
         "{volts:?}"
     );
+}
+
+fn a_move_over_a_broken_cable_ends_with_the_faults_name() {
+    let script = r#""$USR2556E" fault open-a; "$USR2556E" move --by 1000; echo "exit $?"
+        "$USR2556E" fault mend; "$USR2556E" move --by 1000"#;
+    let ended = beside_drives(&[], script)
+        .with(0)
+        .says(&["the drive went into fault 0x7122: phase loss"]);
+    assert_eq!(ended.out.lines().next(), Some("exit 1"));
+    assert!(ended.out.contains("Moved from 0 to 1000 pulses."), "{}", ended.out);
 }

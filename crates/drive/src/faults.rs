@@ -43,6 +43,37 @@ pub enum Fault {
 }
 
 impl Fault {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Communication,
+        Self::Overcurrent,
+        Self::CircuitA,
+        Self::CircuitB,
+        Self::PhaseLoss,
+        Self::Overvoltage,
+        Self::Undervoltage,
+        Self::ParameterStorage,
+    ];
+
+    /// The fault that a code in 0x603F tells.
+    pub fn of_code(code: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| fault.error_code() == code)
+    }
+
+    /// What it is called.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Communication => "the network left OP while the motor was enabled",
+            Self::Overcurrent => "over-current",
+            Self::CircuitA => "circuit of phase A",
+            Self::CircuitB => "circuit of phase B",
+            Self::PhaseLoss => "phase loss",
+            Self::Overvoltage => "over-voltage",
+            Self::Undervoltage => "under-voltage",
+            Self::ParameterStorage => "saved parameters lost",
+        }
+    }
+
     /// The code in 0x603F (manual 2.3.1).
     pub const fn error_code(self) -> u16 {
         match self {
@@ -205,6 +236,16 @@ mod tests {
             enabled,
             currents: None,
         }
+    }
+
+    #[test]
+    fn every_code_tells_its_fault() {
+        assert!(
+            Fault::ALL
+                .into_iter()
+                .all(|fault| Fault::of_code(fault.error_code()) == Some(fault))
+        );
+        assert_eq!(Fault::of_code(0), None);
     }
 
     #[test]

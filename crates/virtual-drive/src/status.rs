@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::{self, Write};
 
 use drive::Mode;
+use drive::faults::Fault;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use crate::cables::{Cable, CableState};
@@ -28,7 +29,8 @@ impl fmt::Display for States<'_> {
             status.position, status.motor.shaft.0, status.velocity_rpm
         )?;
         if status.error_code != 0 {
-            write!(f, "  error 0x{:04X}", status.error_code)?;
+            let name = Fault::of_code(status.error_code).map_or("unknown", Fault::name);
+            write!(f, "  fault 0x{:04X}, {name}", status.error_code)?;
         }
         Ok(())
     }

@@ -2,16 +2,16 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`vector`] | vectors of the current plane, sine and cosine |
-//! | [`gains`] | 0x200B: the registers' scales |
-//! | [`harmonic`] | 0x2060 to 0x2062: the harmonic against the first resonance |
-//! | [`regulator`] | PI in the frame that turns with the command |
-//! | [`auto_zero`] | offsets of the current sensors |
+//! | `vector` | vectors of the current plane, sine and cosine |
+//! | `gains` | 0x200B: the registers' scales |
+//! | `harmonic` | 0x2060 to 0x2062: the harmonic against the first resonance |
+//! | `regulator` | PI in the frame that turns with the command |
+//! | `auto_zero` | offsets of the current sensors |
 //! | [`identification`] | resistance and inductance of the motor, at the first enabling |
 //! | `pulses`, `levels` | its steps |
-//! | [`ripple`] | a winding's answer to a square wave |
-//! | [`damper`] | trims the commanded angle against a swinging rotor |
-//! | [`bridge`] | limits of the supply, and duties, for two phases and three |
+//! | `ripple` | a winding's answer to a square wave |
+//! | `damper` | trims the commanded angle against a swinging rotor |
+//! | `bridge` | limits of the supply, and duties, for two phases and three |
 //!
 //! The frame turns with the commanded vector, so that a motor that runs evenly has constant currents and voltages in it, and the
 //! regulators leave no error at any speed.

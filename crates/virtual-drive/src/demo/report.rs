@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::samples::{Phase, Samples};
+use super::samples::{Phase, Sample, Samples};
 use super::session::{CYCLE, MOVE_TARGET};
 
 /// The figures of a demonstration, positions in pulses, times in microseconds.
@@ -20,7 +20,7 @@ pub struct Report {
     pub torque_reserve: f64,
     /// Lowest and highest voltage at the power stage in V, and the greatest current out of the supply in A.
     pub bus: (f64, f64, f64),
-    /// Electrical periods lost from power-on to the end.
+    /// Electrical periods lost from the end of homing to the end.
     pub lost_periods: i64,
     /// The same at the end, at rest.
     pub shaft_error: f64,
@@ -38,7 +38,7 @@ impl Report {
         let last = |phase| samples.of(phase).last().copied();
         let moving = || samples.of(Phase::ProfilePosition).chain(samples.of(Phase::CyclicPosition));
         let lag = |sample| samples.shaft_from_home(sample) - f64::from(sample.commanded);
-        let following = |sample: &super::samples::Sample| sample.target.map_or(0, |target| (target - sample.commanded).abs());
+        let following = |sample: &Sample| sample.target.map_or(0, |target| (target - sample.commanded).abs());
         Self {
             home: (last(Phase::Homing).map_or(0, |sample| sample.commanded), samples.home),
             move_end: last(Phase::ProfilePosition).map_or(0, |sample| sample.commanded),
@@ -46,7 +46,7 @@ impl Report {
             field_lag: moving().map(|sample| sample.motor.lag.abs() * 360.0).fold(0.0, f64::max),
             torque_reserve: moving().filter_map(|sample| sample.motor.torque_reserve).fold(1.0, f64::min),
             bus: bus(samples),
-            lost_periods: samples.cycles.last().map_or(0, |sample| sample.motor.lost_periods),
+            lost_periods: lost(samples.cycles.last()) - lost(samples.of(Phase::Homing).last()),
             shaft_error: last(Phase::Disabling).as_ref().map_or(0.0, lag),
             following_error: samples.of(Phase::CyclicPosition).map(following).max().unwrap_or(0),
             cycles: samples.cycles.len(),
@@ -61,12 +61,17 @@ impl Report {
         match self.lost_periods {
             0 => format!("no step lost ({:.2} pulses off at the end)", self.shaft_error.abs()),
             lost => format!(
-                "{} electrical periods lost ({:.1} pulses off at the end)",
+                "{} electrical periods lost after homing ({:.1} pulses off at the end)",
                 lost.abs(),
                 self.shaft_error
             ),
         }
     }
+}
+
+/// Electrical periods lost from power-on to a sample.
+fn lost(sample: Option<&Sample>) -> i64 {
+    sample.map_or(0, |sample| sample.motor.lost_periods)
 }
 
 /// Lowest and highest voltage at the power stage, and the greatest current out of the supply.
@@ -134,7 +139,6 @@ impl fmt::Display for Report {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::samples::Sample;
     use crate::demo::session::PULSES_PER_TURN;
     use crate::motor_view::MotorView;
     use plant::Turns;
@@ -163,7 +167,12 @@ mod tests {
             phase,
             target: Some(commanded + 7),
             commanded,
-            motor: motor(shaft, lost_periods, if phase == Phase::CyclicPosition { 0.4 } else { 0.6 }),
+            motor: motor(
+                shaft,
+                // Three periods were lost before homing.
+                3 + if phase == Phase::Homing { 0 } else { lost_periods },
+                if phase == Phase::CyclicPosition { 0.4 } else { 0.6 },
+            ),
         };
         let cycles = vec![
             sample(Phase::Homing, -29, 9_971.0),
@@ -191,7 +200,7 @@ mod tests {
         assert!(
             report(-400.0)
                 .to_string()
-                .contains("2 electrical periods lost (-400.0 pulses off at the end)")
+                .contains("2 electrical periods lost after homing (-400.0 pulses off at the end)")
         );
     }
 }

@@ -206,6 +206,22 @@ impl<'a> Axis<'a> {
         }
     }
 
+    /// Reads 0x603F, which tells why a drive went into fault, while process data rest.
+    ///
+    /// # Errors
+    /// The mailbox does not answer.
+    pub async fn error_code(&self) -> Result<u16, Error> {
+        let read = async || match &self.drives {
+            Operating::Frames(group, _) => group.subdevice(self.main, self.position)?.sdo_read(0x603F, 0).await,
+            Operating::Clocks(group) => group.subdevice(self.main, self.position)?.sdo_read(0x603F, 0).await,
+        };
+        // The fault's emergency message lies before the answer in the mailbox, and ethercrab takes it for an error.
+        match read().await {
+            Err(_) => read().await,
+            code => code,
+        }
+    }
+
     /// Leads the drive to Operation Enabled, out of a fault too if its cause is gone.
     ///
     /// # Errors

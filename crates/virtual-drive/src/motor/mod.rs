@@ -2,7 +2,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`file`] | a motor as a TOML file |
+//! | [`mod@file`] | a motor as a TOML file |
 //! | [`text`] | the same file from a motor's values |
 //! | `quantity` | the keys of such a file, with units and ranges |
 //! | [`mistake`] | what is wrong with such a file |

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context, bail, ensure};
+use drive::faults::Fault;
 use ethercrab::MainDevice;
 use ethercrab::subdevice_group::PreOp;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -141,7 +142,10 @@ pub(super) fn move_axis(options: &Move) -> anyhow::Result<ExitCode> {
             .context("bringing the drives to OP")?;
         let mut unobserved = |_: &Exchange| ();
         let mut axis = Axis::new(main, pace, Operating::Frames(group, CYCLE), drive, &mut unobserved);
-        let arrived = travel(&mut axis, options.target, &interrupted).await;
+        let mut arrived = travel(&mut axis, options.target, &interrupted).await;
+        if let Err(error) = arrived {
+            arrived = Err(why(error, &axis).await);
+        }
         // Whatever has happened, the drive is left disabled and the bus in PREOP.
         let left = axis.leave().await;
         let arrived = arrived?;
@@ -180,6 +184,18 @@ async fn set_up(main: &MainDevice<'_>, group: &Group<PreOp>, drive: usize, optio
             .map_err(|error| refused("writing", address, error))?;
     }
     Ok(())
+}
+
+/// An error of an axis, with what the drive says of it if that is a fault.
+async fn why(error: anyhow::Error, axis: &Axis<'_>) -> anyhow::Error {
+    let is_fault = axis.inputs.statusword & statusword::FAULT != 0;
+    match axis.error_code().await {
+        Ok(code) if is_fault => {
+            let name = Fault::of_code(code).map_or("unknown", Fault::name);
+            anyhow::anyhow!("the drive went into fault 0x{code:04X}: {name}")
+        }
+        _ => error,
+    }
 }
 
 /// Moves to the target. Returns whether the drive got there; Ctrl-C halts it.
