@@ -7,7 +7,8 @@
 //! Friction holds a resting shaft against any smaller torque, which no slope can express: the step is made
 //! without it, and then it takes from the speed what it can take in a tick, at most down to rest.
 
-use core::array::from_fn;
+mod integration;
+
 use core::f64::consts::TAU;
 
 use board::{ELECTRICAL_PERIODS_PER_TURN, TICK, TICKS_PER_SECOND};
@@ -18,6 +19,7 @@ use crate::faults::Faults;
 use crate::load::{Load, LoadState};
 use crate::motor::{MotorParameters, MotorState};
 use crate::windings::{Coils, Linear, Set, Vector, Windings, dot};
+use integration::{Integration, Variables};
 
 /// Electrical periods in a turn.
 pub(crate) const PERIODS: f64 = ELECTRICAL_PERIODS_PER_TURN as f64;
@@ -67,6 +69,18 @@ pub(crate) struct Moved {
     pub(crate) drag: f64,
     /// Energy taken by Coulomb friction in J.
     pub(crate) friction: f64,
+}
+
+impl Moved {
+    fn and(self, other: &Self) -> Self {
+        Self {
+            charge: [self.charge[0] + other.charge[0], self.charge[1] + other.charge[1]],
+            heat: self.heat + other.heat,
+            dead: self.dead + other.dead,
+            drag: self.drag + other.drag,
+            friction: self.friction + other.friction,
+        }
+    }
 }
 
 /// Motor and load, their data ready for the integration.
@@ -124,63 +138,50 @@ impl Machine {
     }
 
     fn step_with<M: Linear>(&self, coils: &Coils<M>, state: &mut State, applied: &Applied) -> Moved {
-        let mut moved = Moved::default();
         if state.motor.speed.abs() < FAST {
-            self.advance(coils, state, applied, STEP, &mut moved);
-        } else {
-            self.advance(coils, state, applied, STEP / 2.0, &mut moved);
-            self.advance(coils, state, applied, STEP / 2.0, &mut moved);
+            return self.advance(coils, state, applied, 1.0);
         }
-        moved
+        let first = self.advance(coils, state, applied, 0.5);
+        let second = self.advance(coils, state, applied, 0.5);
+        first.and(&second)
     }
 
-    #[inline(never)]
-    fn advance<M: Linear>(&self, coils: &Coils<M>, state: &mut State, applied: &Applied, time: f64, moved: &mut Moved) {
-        let before = *state;
-        let (motor, load) = (&before.motor, &before.load);
+    /// Lets a part of a tick pass.
+    fn advance<M: Linear>(&self, coils: &Coils<M>, state: &mut State, applied: &Applied, part: f64) -> Moved {
+        let (before, time) = (*state, part * STEP);
         let angle = before.angle();
-        let flux = coils.flux(motor.currents, &angle);
+        let flux = coils.flux(before.motor.currents, &angle);
+        let integration = Integration {
+            machine: self,
+            coils,
+            applied,
+        };
+        let (motor, load) = (&mut state.motor, &mut state.load);
         let (flux, charge) = if self.elastic {
-            let start = Variables {
-                flux,
-                speeds: [motor.speed, load.speed],
-                turns: [motor.turns, load.turns],
-            };
-            let (end, charge) = self.integrate(coils, &start, &angle, applied, time);
-            ([state.motor.speed, state.load.speed], [state.motor.turns, state.load.turns]) = (end.speeds, end.turns);
+            let (speeds, turns) = ([motor.speed, load.speed], [motor.turns, load.turns]);
+            let (end, charge) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
+            ([motor.speed, load.speed], [motor.turns, load.turns]) = (end.speeds, end.turns);
             (end.flux, charge)
         } else {
-            let start = Variables {
-                flux,
-                speeds: [motor.speed],
-                turns: [motor.turns],
-            };
-            let (end, charge) = self.integrate(coils, &start, &angle, applied, time);
-            ([state.motor.speed], [state.motor.turns]) = (end.speeds, end.turns);
-            ([state.load.speed], [state.load.turns]) = (end.speeds, end.turns);
+            let (speeds, turns) = ([motor.speed], [motor.turns]);
+            let (end, charge) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
+            ([motor.speed], [motor.turns]) = (end.speeds, end.turns);
+            (load.speed, load.turns) = (motor.speed, motor.turns);
             (end.flux, charge)
         };
-        moved.drag += self.dragged(&before, state) * time;
-        moved.friction += self.rub(state, time);
+        let drag = self.dragged(&before, state) * time;
+        let friction = self.rub(state, time);
         state.ended = Angle::new(state.motor.turns * PERIODS);
         state.motor.currents = coils.currents(flux, &state.ended);
-        let [heat, dead] = self.lost(coils, &before, state, charge, applied, time);
-        moved.charge = [moved.charge[0] + charge[0], moved.charge[1] + charge[1]];
-        moved.heat += heat;
-        moved.dead += dead;
-    }
-
-    /// Heat, and energy kept away by dead time: as if the currents changed evenly.
-    fn lost<M: Linear>(&self, coils: &Coils<M>, state: &State, after: &State, charge: Vector, applied: &Applied, time: f64) -> [f64; 2] {
-        let per_second = if time == STEP { STEPS_PER_SECOND } else { 2.0 * STEPS_PER_SECOND };
-        let mean = [charge[0] * per_second, charge[1] * per_second];
-        let change = [
-            after.motor.currents[0] - state.motor.currents[0],
-            after.motor.currents[1] - state.motor.currents[1],
-        ];
-        let heat = dot(mean, coils.resistance.times(mean)) + dot(change, coils.resistance.times(change)) * (1.0 / 12.0);
+        let mean = charge.map(|charge| charge * (STEPS_PER_SECOND / part));
         let dead = dot(mean, applied.dead(&self.windings, mean));
-        [heat * self.power_factor * time, dead * self.power_factor * time]
+        Moved {
+            charge,
+            heat: coils.heat(mean, before.motor.currents, state.motor.currents) * self.power_factor * time,
+            dead: dead * self.power_factor * time,
+            drag,
+            friction,
+        }
     }
 
     /// Power that drag and the coupling's damping take, as if speeds changed evenly.
@@ -205,61 +206,6 @@ impl Machine {
             (state.load.speed, state.load.turns) = (state.motor.speed, state.motor.turns);
             0.5 * self.inertia * motor
         }
-    }
-
-    /// A step of the fourth order, and the charge.
-    ///
-    /// The slope of an angle is a speed, which is known a stage earlier than the torque is. Written out like this, and not as a vector of variables that are
-    /// all alike, the sines of the next stage and the torque of this one are computed at the same time.
-    #[inline(always)]
-    fn integrate<M: Linear, const BODIES: usize>(
-        &self,
-        coils: &Coils<M>,
-        start: &Variables<BODIES>,
-        angle: &Angle,
-        applied: &Applied,
-        step: f64,
-    ) -> (Variables<BODIES>, Vector) {
-        let slope = Slopes {
-            machine: self,
-            coils,
-            applied,
-        };
-        let (half, sixth) = (step / 2.0, step * (1.0 / 6.0));
-        let turned = |at: &Variables<BODIES>| angle.turned_to(at.turns[0] * PERIODS);
-        let k1 = slope.at(start, angle);
-        let second = start.ahead(&k1, &start.speeds, half);
-        let k2 = slope.at(&second, &turned(&second));
-        let third = start.ahead(&k2, &second.speeds, half);
-        let k3 = slope.at(&third, &turned(&third));
-        let fourth = start.ahead(&k3, &third.speeds, step);
-        let k4 = slope.at(&fourth, &turned(&fourth));
-        let over = |k1: f64, k2: f64, k3: f64, k4: f64| (k1 + 2.0 * (k2 + k3) + k4) * sixth;
-        let end = Variables {
-            flux: from_fn(|at| start.flux[at] + over(k1.flux[at], k2.flux[at], k3.flux[at], k4.flux[at])),
-            speeds: from_fn(|at| start.speeds[at] + over(k1.speeds[at], k2.speeds[at], k3.speeds[at], k4.speeds[at])),
-            turns: from_fn(|at| {
-                let mean = start.speeds[at] + (k1.speeds[at] + k2.speeds[at] + k3.speeds[at]) * sixth;
-                start.turns[at] + mean * (step * TURNS_PER_RADIAN)
-            }),
-        };
-        let charge = from_fn(|at| over(k1.currents[at], k2.currents[at], k3.currents[at], k4.currents[at]));
-        (end, charge)
-    }
-
-    /// What torques accelerate rotor and load by, the given one being that of windings and magnets.
-    #[inline(always)]
-    fn accelerations<const BODIES: usize>(&self, torque: f64, speeds: &[f64; BODIES], turns: &[f64; BODIES]) -> [f64; BODIES] {
-        let mut of = [0.0; BODIES];
-        let taken = if BODIES == 2 {
-            let coupled = self.stiffness * TAU * (turns[0] - turns[1]) + self.damping * (speeds[0] - speeds[1]);
-            of[1] = (coupled - self.load.drag * speeds[1] - self.load.torque) * self.load_lightness;
-            coupled
-        } else {
-            self.load.torque
-        };
-        of[0] = (torque - self.drag * speeds[0] - taken) * self.lightness;
-        of
     }
 
     /// The detent torque, sin(4 x) from sin(x) and cos(x).
@@ -354,6 +300,12 @@ impl Machine {
 }
 
 impl<M: Linear> Coils<M> {
+    /// The heat of currents with this mean, in W, as if they had changed evenly.
+    fn heat(&self, mean: Vector, before: Vector, after: Vector) -> f64 {
+        let change = [after[0] - before[0], after[1] - before[1]];
+        dot(mean, self.resistance.times(mean)) + dot(change, self.resistance.times(change)) * (1.0 / 12.0)
+    }
+
     /// The flux through the windings, that of the magnets included.
     fn flux(&self, currents: Vector, angle: &Angle) -> Vector {
         let ([a, b], magnet) = (self.inductance.times(currents), self.magnet.times([angle.cosine, angle.sine]));
@@ -389,54 +341,6 @@ impl State {
     /// Electrical angle of the shaft.
     fn angle(&self) -> Angle {
         self.ended.at(self.motor.turns * PERIODS)
-    }
-}
-
-/// What is integrated: with one body the rotor and all that it drives, with two the rotor and the load.
-struct Variables<const BODIES: usize> {
-    /// Flux through the windings, that of the magnets included.
-    flux: Vector,
-    speeds: [f64; BODIES],
-    turns: [f64; BODIES],
-}
-
-impl<const BODIES: usize> Variables<BODIES> {
-    #[inline(always)]
-    fn ahead(&self, slope: &Slope<BODIES>, speeds: &[f64; BODIES], time: f64) -> Self {
-        Self {
-            flux: from_fn(|at| self.flux[at] + time * slope.flux[at]),
-            speeds: from_fn(|at| self.speeds[at] + time * slope.speeds[at]),
-            turns: from_fn(|at| self.turns[at] + (time * TURNS_PER_RADIAN) * speeds[at]),
-        }
-    }
-}
-
-/// The slopes of flux and speeds, and the currents.
-struct Slope<const BODIES: usize> {
-    flux: Vector,
-    speeds: [f64; BODIES],
-    currents: Vector,
-}
-
-/// What slopes come from.
-struct Slopes<'a, M> {
-    machine: &'a Machine,
-    coils: &'a Coils<M>,
-    applied: &'a Applied,
-}
-
-impl<M: Linear> Slopes<'_, M> {
-    #[inline(always)]
-    fn at<const BODIES: usize>(&self, at: &Variables<BODIES>, angle: &Angle) -> Slope<BODIES> {
-        let currents = self.coils.currents(at.flux, angle);
-        let ohmic = self.coils.resistance.times(currents);
-        let dead = self.applied.dead(&self.machine.windings, currents);
-        let torque = self.coils.torque(currents, angle) - self.machine.detent(angle);
-        Slope {
-            flux: from_fn(|at| self.applied.voltage[at] - dead[at] - ohmic[at]),
-            speeds: self.machine.accelerations(torque, &at.speeds, &at.turns),
-            currents,
-        }
     }
 }
 
