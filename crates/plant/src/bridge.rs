@@ -10,13 +10,15 @@
 //! With the transistors off, currents flow through the diodes against the bus and return their energy to it, until they are spent. A winding then stays
 //! without current, unless the shaft is spun so fast that its back-EMF exceeds the bus: the diodes then rectify it.
 
-use board::{Duty, LEG_COUNT, TICK};
+use board::{Duty, LEG_COUNT, TICK, TICKS_PER_SECOND};
 
 use crate::motor::Phases;
 use crate::windings::{MOST, Set, Vector, Windings};
 
 /// The PWM period, which is the control tick.
 const PERIOD: f64 = TICK.0 as f64 * 1e-9;
+/// PWM periods a second.
+const FREQUENCY: f64 = TICKS_PER_SECOND as f64;
 /// Current in ampere that is none.
 const NONE: f64 = 1e-9;
 
@@ -53,36 +55,13 @@ impl BridgeParameters {
     }
 }
 
-/// Dead time as a winding has it.
-#[derive(Clone, Copy, Debug, Default)]
-struct DeadTime {
-    /// Voltage that is lost at most.
-    most: f64,
-    /// Voltage for each ampere while the ripple crosses zero.
-    slope: f64,
-}
-
-impl DeadTime {
-    fn new(share: f64, bus: f64, inductance: f64) -> Self {
-        Self {
-            most: share * bus,
-            slope: share * 16.0 * inductance / PERIOD,
-        }
-    }
-
-    fn at(self, current: f64) -> f64 {
-        let lost = self.slope * current;
-        let lost = if lost < self.most { lost } else { self.most };
-        if lost > -self.most { lost } else { -self.most }
-    }
-}
-
 /// What the bridge does to the windings throughout a tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Applied {
     /// Voltages over the windings as a vector.
     pub(crate) voltage: Vector,
-    dead: [DeadTime; MOST],
+    /// The share of the bus voltage that dead time takes from each winding at most.
+    lost: [f64; MOST],
     /// Windings without current.
     pub(crate) idle: Set,
     /// The direction of the current that each winding's diodes conduct; 0 without one, or with transistors on.
@@ -101,7 +80,7 @@ impl Applied {
     pub(crate) const fn voltage(voltage: Vector) -> Self {
         Self {
             voltage,
-            dead: [DeadTime { most: 0.0, slope: 0.0 }; MOST],
+            lost: [0.0; MOST],
             idle: Set(0),
             diodes: [0.0; MOST],
             shares: [0.0; MOST],
@@ -112,12 +91,13 @@ impl Applied {
     }
 
     /// Transistors that switch.
+    #[inline]
     pub(crate) fn legs(parameters: &BridgeParameters, windings: &Windings, duties: [Duty; LEG_COUNT], bus: f64) -> Self {
         let shares = leg_shares(windings.phases, duties);
-        let lost = dead_shares(windings.phases, duties, parameters.dead_time / PERIOD);
+        let [u, v, w] = shares;
         Self {
-            voltage: windings.vector(shares.map(|share| share * bus)),
-            dead: core::array::from_fn(|winding| DeadTime::new(lost[winding], bus, windings.inductances[winding])),
+            voltage: windings.vector([u * bus, v * bus, w * bus]),
+            lost: dead_shares(windings.phases, duties, parameters.dead_time * FREQUENCY),
             idle: windings.open,
             diodes: [0.0; MOST],
             shares,
@@ -150,7 +130,7 @@ impl Applied {
         };
         Self {
             voltage: windings.vector(voltages),
-            dead: [DeadTime::default(); MOST],
+            lost: [0.0; MOST],
             idle,
             diodes,
             shares,
@@ -161,13 +141,19 @@ impl Applied {
     }
 
     /// Voltage that is lost to dead time.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn dead(&self, windings: &Windings, currents: Vector) -> Vector {
+        let lost = |winding: usize, current: f64| {
+            let rippled = windings.ripple[winding] * current;
+            let most = self.bus;
+            let rippled = if rippled < most { rippled } else { most };
+            self.lost[winding] * if rippled > -most { rippled } else { -most }
+        };
         match windings.phases {
-            Phases::Two => [self.dead[0].at(currents[0]), self.dead[1].at(currents[1])],
+            Phases::Two => [lost(0, currents[0]), lost(1, currents[1])],
             Phases::Three => {
                 let [u, v, w] = windings.currents(currents);
-                windings.vector([self.dead[0].at(u), self.dead[1].at(v), self.dead[2].at(w)])
+                windings.vector([lost(0, u), lost(1, v), lost(2, w)])
             }
         }
     }
@@ -226,9 +212,14 @@ fn sum(currents: [f64; MOST], shares: [f64; MOST]) -> f64 {
     currents[0] * shares[0] + currents[1] * shares[1] + currents[2] * shares[2]
 }
 
+fn share(duty: Duty) -> f64 {
+    f64::from(duty.0) * (1.0 / 65_536.0)
+}
+
 /// The share of the bus voltage over each winding.
-fn leg_shares(phases: Phases, duties: [Duty; LEG_COUNT]) -> [f64; MOST] {
-    let [u, v, w, x] = duties.map(|duty| f64::from(duty.0) * (1.0 / 65_536.0));
+#[inline]
+fn leg_shares(phases: Phases, [u, v, w, x]: [Duty; LEG_COUNT]) -> [f64; MOST] {
+    let [u, v, w, x] = [share(u), share(v), share(w), share(x)];
     match phases {
         Phases::Two => [u - v, w - x, 0.0],
         Phases::Three => [u, v, w],
@@ -236,11 +227,13 @@ fn leg_shares(phases: Phases, duties: [Duty; LEG_COUNT]) -> [f64; MOST] {
 }
 
 /// The share of the bus voltage that dead time takes from each winding. A leg that hardly switches, or not at all, loses no more than it has.
-fn dead_shares(phases: Phases, duties: [Duty; LEG_COUNT], share: f64) -> [f64; MOST] {
-    let [u, v, w, x] = duties.map(|duty| {
-        let switched = f64::from(duty.0.min(u16::MAX - duty.0)) * (1.0 / 65_536.0);
-        share.min(switched)
-    });
+#[inline]
+fn dead_shares(phases: Phases, [u, v, w, x]: [Duty; LEG_COUNT], most: f64) -> [f64; MOST] {
+    let lost = |duty: Duty| {
+        let switched = share(Duty(duty.0.min(u16::MAX - duty.0)));
+        if switched < most { switched } else { most }
+    };
+    let [u, v, w, x] = [lost(u), lost(v), lost(w), lost(x)];
     match phases {
         Phases::Two => [u + v, w + x, 0.0],
         Phases::Three => [u, v, w],

@@ -131,27 +131,27 @@ impl Plant {
     /// A tick of bridge, motor, load and supply.
     fn drive(&mut self, stage: PowerStage) {
         let applied = self.applied(stage);
-        let before = self.state;
-        let (mut after, moved) = self.machine.step(&before, &applied);
+        let (currents, turns) = (self.state.motor.currents, self.state.load.turns);
+        let moved = self.machine.step(&mut self.state, &applied);
         let (mut drawn, mut heat) = (self.drawn(&applied, &moved), moved.heat);
+        let state = &mut self.state;
         if applied.is_off() {
-            let spent = applied.spend(&self.machine.windings, before.motor.currents, after.motor.currents, moved.charge);
-            after.motor.currents = spent.currents;
+            let spent = applied.spend(&self.machine.windings, currents, state.motor.currents, moved.charge);
+            state.motor.currents = spent.currents;
             drawn = spent.drawn;
             heat += spent.heat;
         }
-        let kinetic = self.machine.kinetic_energy(&after);
         let (lowest, highest) = self.config.travel.stops;
-        self.machine.stop_at(&mut after, (lowest.0, highest.0));
-        self.state = after;
+        let stopped = self.machine.stop_at(state, (lowest.0, highest.0));
+        let way = state.load.turns - turns;
         let fed = self.bus.step(drawn);
         let account = &mut self.account;
         account.source += fed.source;
         account.consumption += fed.consumption;
         account.heat += heat;
         account.drag += moved.drag;
-        account.friction += moved.friction + kinetic - self.machine.kinetic_energy(&after);
-        account.load += self.machine.work(after.load.turns - before.load.turns);
+        account.friction += moved.friction + stopped;
+        account.load += self.machine.work(way);
     }
 
     /// What the bridge does to the windings in the coming tick: at the voltage that the bus has in the middle of it.

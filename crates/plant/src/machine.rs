@@ -7,23 +7,29 @@
 //! Friction holds a resting shaft against any smaller torque, which no slope can express: the step is made
 //! without it, and then it takes from the speed what it can take in a tick, at most down to rest.
 
-use board::{ELECTRICAL_PERIODS_PER_TURN, TICK};
+mod integration;
 
-use crate::angle::sin_cos;
+use core::f64::consts::TAU;
+
+use board::{ELECTRICAL_PERIODS_PER_TURN, TICK, TICKS_PER_SECOND};
+
+use crate::angle::Angle;
 use crate::bridge::Applied;
 use crate::faults::Faults;
 use crate::load::{Load, LoadState};
 use crate::motor::{MotorParameters, MotorState};
-use crate::windings::{Vector, Windings, dot};
+use crate::windings::{Coils, Linear, Set, Vector, Windings, dot};
+use integration::{Integration, Variables};
 
 /// Electrical periods in a turn.
 pub(crate) const PERIODS: f64 = ELECTRICAL_PERIODS_PER_TURN as f64;
 /// The step of the integration in seconds: one control tick.
 const STEP: f64 = TICK.0 as f64 * 1e-9;
+const STEPS_PER_SECOND: f64 = TICKS_PER_SECOND as f64;
 /// Speed in rad/s, 15 turns a second, from which on a tick takes two steps: the rotor's electrical angle then turns by a quarter of a radian a tick, and
 /// the error grows with the fourth power of that.
-const FAST: f64 = 15.0 * core::f64::consts::TAU;
-const TURNS_PER_RADIAN: f64 = 1.0 / core::f64::consts::TAU;
+const FAST: f64 = 15.0 * TAU;
+const TURNS_PER_RADIAN: f64 = 1.0 / TAU;
 
 /// Currents, speeds and angles.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +37,8 @@ pub(crate) struct State {
     pub(crate) motor: MotorState,
     /// With a rigid coupling the motor's speed and angle.
     pub(crate) load: LoadState,
-    /// The shaft's angle in turns, with its electrical sine and cosine, where the last step has ended.
-    ended: (f64, f64, f64),
+    /// The shaft's electrical angle where the last step has ended.
+    ended: Angle,
 }
 
 impl MotorParameters {
@@ -44,7 +50,9 @@ impl MotorParameters {
             ..Load::inertia(inertia)
         };
         let machine = Machine::new(self, 0.0, &load, &Faults::default());
-        machine.step(&State::of(state), &Applied::voltage(voltages)).0.motor
+        let mut state = State::of(state);
+        machine.step(&mut state, &Applied::voltage(voltages));
+        state.motor
     }
 }
 
@@ -80,10 +88,6 @@ impl Moved {
 pub(crate) struct Machine {
     pub(crate) windings: Windings,
     power_factor: f64,
-    back_emf: f64,
-    torque_constant: f64,
-    /// Flux of the magnets through a winding that they face, in V s.
-    flux: f64,
     detent_torque: f64,
     drag: f64,
     /// The inertia that the rotor's shaft has, with a rigidly coupled load's.
@@ -112,9 +116,6 @@ impl Machine {
         Self {
             windings: Windings::new(motor, in_series, faults),
             power_factor: motor.phases.power_factor(),
-            back_emf: motor.back_emf,
-            torque_constant: motor.torque_constant(),
-            flux: motor.back_emf / PERIODS,
             detent_torque: motor.detent_torque,
             drag,
             inertia,
@@ -128,139 +129,101 @@ impl Machine {
         }
     }
 
-    /// The state one tick later.
-    pub(crate) fn step(&self, state: &State, applied: &Applied) -> (State, Moved) {
-        if state.motor.speed.abs() < FAST {
-            return self.advance(state, applied, STEP);
+    /// Lets a tick pass.
+    pub(crate) fn step(&self, state: &mut State, applied: &Applied) -> Moved {
+        match self.windings.alike(applied.idle) {
+            Some(coils) => self.step_with(coils, state, applied),
+            None => self.step_with(&self.windings.coils(applied.idle), state, applied),
         }
-        let (middle, first) = self.advance(state, applied, STEP / 2.0);
-        let (end, second) = self.advance(&middle, applied, STEP / 2.0);
-        (end, first.and(&second))
     }
 
-    fn advance(&self, state: &State, applied: &Applied, time: f64) -> (State, Moved) {
-        let (motor, load) = (&state.motor, &state.load);
-        let direction = state.direction();
-        let [a, b] = self.windings.inductance.times(motor.currents);
-        let [of_magnet_a, of_magnet_b] = self.magnet(direction);
-        let (a, b) = (a + of_magnet_a, b + of_magnet_b);
-        let (flux, mut after, mut moved) = if self.elastic {
-            let start = [a, b, motor.speed, motor.turns, load.speed, load.turns];
-            let ([a, b, speed, turns, load_speed, load_turns], moved) = self.integrate(start, direction, applied, time);
-            ([a, b], State::new((speed, turns), (load_speed, load_turns)), moved)
-        } else {
-            let ([a, b, speed, turns], moved) = self.integrate([a, b, motor.speed, motor.turns], direction, applied, time);
-            ([a, b], State::new((speed, turns), (speed, turns)), moved)
+    fn step_with<M: Linear>(&self, coils: &Coils<M>, state: &mut State, applied: &Applied) -> Moved {
+        if state.motor.speed.abs() < FAST {
+            return self.advance(coils, state, applied, 1.0);
+        }
+        let first = self.advance(coils, state, applied, 0.5);
+        let second = self.advance(coils, state, applied, 0.5);
+        first.and(&second)
+    }
+
+    /// Lets a part of a tick pass.
+    fn advance<M: Linear>(&self, coils: &Coils<M>, state: &mut State, applied: &Applied, part: f64) -> Moved {
+        let (before, time) = (*state, part * STEP);
+        let angle = before.angle();
+        let flux = coils.flux(before.motor.currents, &angle);
+        let integration = Integration {
+            machine: self,
+            coils,
+            applied,
         };
-        moved.friction = self.rub(&mut after, time);
-        let (sine, cosine) = sin_cos(after.motor.turns * PERIODS);
-        after.ended = (after.motor.turns, sine, cosine);
-        after.motor.currents = self.currents(flux, (sine, cosine), applied);
-        (after, moved)
+        let (motor, load) = (&mut state.motor, &mut state.load);
+        let (flux, charge) = if self.elastic {
+            let (speeds, turns) = ([motor.speed, load.speed], [motor.turns, load.turns]);
+            let (end, charge) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
+            ([motor.speed, load.speed], [motor.turns, load.turns]) = (end.speeds, end.turns);
+            (end.flux, charge)
+        } else {
+            let (speeds, turns) = ([motor.speed], [motor.turns]);
+            let (end, charge) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
+            ([motor.speed], [motor.turns]) = (end.speeds, end.turns);
+            (load.speed, load.turns) = (motor.speed, motor.turns);
+            (end.flux, charge)
+        };
+        let drag = self.dragged(&before, state) * time;
+        let friction = self.rub(state, time);
+        state.ended = Angle::new(state.motor.turns * PERIODS);
+        state.motor.currents = coils.currents(flux, &state.ended);
+        let mean = charge.map(|charge| charge * (STEPS_PER_SECOND / part));
+        let dead = dot(mean, applied.dead(&self.windings, mean));
+        Moved {
+            charge,
+            heat: coils.heat(mean, before.motor.currents, state.motor.currents) * self.power_factor * time,
+            dead: dead * self.power_factor * time,
+            drag,
+            friction,
+        }
     }
 
-    /// The magnets' flux through the windings.
-    fn magnet(&self, (sine, cosine): (f64, f64)) -> Vector {
-        self.windings.emf.times([self.flux * cosine, self.flux * sine])
-    }
-
-    /// The currents that belong to a flux.
-    #[inline]
-    fn currents(&self, flux: Vector, direction: (f64, f64), applied: &Applied) -> Vector {
-        let magnet = self.magnet(direction);
-        self.windings
-            .inverse(applied.idle)
-            .times([flux[0] - magnet[0], flux[1] - magnet[1]])
+    /// Power that drag and the coupling's damping take, as if speeds changed evenly.
+    fn dragged(&self, state: &State, after: &State) -> f64 {
+        let square = |before: f64, after: f64| (before * before + before * after + after * after) * (1.0 / 3.0);
+        let rotor = self.drag * square(state.motor.speed, after.motor.speed);
+        if self.elastic {
+            let twisting = square(state.motor.speed - state.load.speed, after.motor.speed - after.load.speed);
+            rotor + self.damping * twisting + self.load.drag * square(state.load.speed, after.load.speed)
+        } else {
+            rotor
+        }
     }
 
     /// Coulomb friction on rotor and load; the energy that it takes.
     fn rub(&self, state: &mut State, time: f64) -> f64 {
-        let before = self.kinetic_energy(state);
-        rub(&mut state.motor.speed, &mut state.motor.turns, self.friction[0], time);
+        let motor = rub(&mut state.motor.speed, &mut state.motor.turns, self.friction[0], time);
         if self.elastic {
-            rub(&mut state.load.speed, &mut state.load.turns, self.friction[1], time);
+            let load = rub(&mut state.load.speed, &mut state.load.turns, self.friction[1], time);
+            0.5 * (self.inertia * motor + self.load.inertia * load)
         } else {
             (state.load.speed, state.load.turns) = (state.motor.speed, state.motor.turns);
-        }
-        before - self.kinetic_energy(state)
-    }
-
-    /// A step of the fourth order, over flux, speed and angle, and with six variables over the load's speed and angle.
-    fn integrate<const N: usize>(&self, start: [f64; N], direction: (f64, f64), applied: &Applied, step: f64) -> ([f64; N], Moved) {
-        let ahead = |slope: &Slope<N>, time: f64| -> [f64; N] { core::array::from_fn(|at| start[at] + time * slope.of[at]) };
-        let slope = |at: [f64; N]| self.slope(&at, sin_cos(at[3] * PERIODS), applied);
-        let k1 = self.slope(&start, direction, applied);
-        let k2 = slope(ahead(&k1, step / 2.0));
-        let k3 = slope(ahead(&k2, step / 2.0));
-        let k4 = slope(ahead(&k3, step));
-        let sixth = step * (1.0 / 6.0);
-        let over = |part: &dyn Fn(&Slope<N>) -> f64| (part(&k1) + 2.0 * (part(&k2) + part(&k3)) + part(&k4)) * sixth;
-        let end = core::array::from_fn(|at| start[at] + over(&|slope| slope.of[at]));
-        let moved = Moved {
-            charge: [over(&|slope| slope.currents[0]), over(&|slope| slope.currents[1])],
-            heat: over(&|slope| slope.heat) * self.power_factor,
-            dead: over(&|slope| slope.dead) * self.power_factor,
-            drag: over(&|slope| slope.drag),
-            friction: 0.0,
-        };
-        (end, moved)
-    }
-
-    #[inline]
-    fn slope<const N: usize>(&self, at: &[f64; N], direction: (f64, f64), applied: &Applied) -> Slope<N> {
-        let (speed, turns) = (at[2], at[3]);
-        let windings = &self.windings;
-        let currents = self.currents([at[0], at[1]], direction, applied);
-        let ohmic = windings.resistance.times(currents);
-        let dead = applied.dead(windings, currents);
-        let torque = self.torque_of(currents, direction);
-        let mut of = [0.0; N];
-        let mut drag = self.drag * speed * speed;
-        let taken = if N == 6 {
-            let (load_speed, load_turns) = (at[4], at[5]);
-            let damped = self.damping * (speed - load_speed);
-            let coupled = self.stiffness * core::f64::consts::TAU * (turns - load_turns) + damped;
-            drag += damped * (speed - load_speed) + self.load.drag * load_speed * load_speed;
-            of[4] = (coupled - self.load.drag * load_speed - self.load.torque) * self.load_lightness;
-            of[5] = load_speed * TURNS_PER_RADIAN;
-            coupled
-        } else {
-            self.load.torque
-        };
-        of[0] = applied.voltage[0] - dead[0] - ohmic[0];
-        of[1] = applied.voltage[1] - dead[1] - ohmic[1];
-        of[2] = (torque - self.drag * speed - taken) * self.lightness;
-        of[3] = speed * TURNS_PER_RADIAN;
-        Slope {
-            of,
-            currents,
-            heat: dot(currents, ohmic),
-            dead: dot(currents, dead),
-            drag,
+            0.5 * self.inertia * motor
         }
     }
 
     /// The detent torque, sin(4 x) from sin(x) and cos(x).
-    fn detent(&self, sine: f64, cosine: f64) -> f64 {
-        let double = 2.0 * sine * cosine;
-        self.detent_torque * 2.0 * double * (cosine * cosine - sine * sine)
+    fn detent(&self, &Angle { sine, cosine, .. }: &Angle) -> f64 {
+        4.0 * self.detent_torque * (sine * cosine) * (cosine * cosine - sine * sine)
     }
 
     /// The voltages that the turning rotor induces.
     pub(crate) fn emf(&self, state: &State) -> Vector {
-        let (sine, cosine) = state.direction();
-        let emf = self.back_emf * state.motor.speed;
-        self.windings.emf.times([-sine * emf, cosine * emf])
+        let Angle { sine, cosine, .. } = state.angle();
+        let speed = PERIODS * state.motor.speed;
+        self.windings.coils(Set::NONE).magnet.times([-sine * speed, cosine * speed])
     }
 
     /// Torque that the windings and the magnets give the rotor, in Nm.
     pub(crate) fn torque(&self, state: &State) -> f64 {
-        self.torque_of(state.motor.currents, state.direction())
-    }
-
-    fn torque_of(&self, currents: Vector, (sine, cosine): (f64, f64)) -> f64 {
-        let pull = self.windings.emf.times([-sine, cosine]);
-        self.torque_constant * dot(currents, pull) - self.detent(sine, cosine)
+        let angle = state.angle();
+        self.windings.coils(Set::NONE).torque(state.motor.currents, &angle) - self.detent(&angle)
     }
 
     /// Torque that the load takes from the shaft: the coupling's, or with a rigid one what acts on the load from outside.
@@ -284,12 +247,12 @@ impl Machine {
 
     /// Energy in the windings' field, in J.
     pub(crate) fn magnetic_energy(&self, currents: Vector) -> f64 {
-        0.5 * self.power_factor * dot(currents, self.windings.inductance.times(currents))
+        0.5 * self.power_factor * dot(currents, self.windings.coils(Set::NONE).inductance.times(currents))
     }
 
     /// Energy in the detent and in the coupling's twist, in J.
     pub(crate) fn elastic_energy(&self, state: &State) -> f64 {
-        let (sine, _) = sin_cos(state.motor.turns * (4.0 * PERIODS) * 0.5);
+        let sine = Angle::new(state.motor.turns * (4.0 * PERIODS) * 0.5).sine;
         // The integral of sin(4 x), from 0: (1 - cos(4 x)) / 4.
         let detent = self.detent_torque / (2.0 * PERIODS) * sine * sine;
         detent
@@ -302,7 +265,7 @@ impl Machine {
 
     /// Energy that the load's torque has taken on a way in turns, in J.
     pub(crate) fn work(&self, turns: f64) -> f64 {
-        self.load.torque * turns * core::f64::consts::TAU
+        self.load.torque * turns * TAU
     }
 
     /// The state when the rotor has seized.
@@ -314,8 +277,8 @@ impl Machine {
         state
     }
 
-    /// Brings the load to rest at the end of its travel. With a rigid coupling, the rotor with it.
-    pub(crate) fn stop_at(&self, state: &mut State, (lowest, highest): (f64, f64)) {
+    /// Brings the load to rest at the end of its travel. With a rigid coupling, the rotor with it. The energy that the end takes.
+    pub(crate) fn stop_at(&self, state: &mut State, (lowest, highest): (f64, f64)) -> f64 {
         let outwards = if state.load.turns < lowest {
             state.load.turns = lowest;
             -1.0
@@ -323,71 +286,78 @@ impl Machine {
             state.load.turns = highest;
             1.0
         } else {
-            return;
+            return 0.0;
         };
+        let before = self.kinetic_energy(state);
         if state.load.speed * outwards > 0.0 {
             state.load.speed = 0.0;
         }
         if !self.elastic {
             (state.motor.speed, state.motor.turns) = (state.load.speed, state.load.turns);
         }
+        before - self.kinetic_energy(state)
+    }
+}
+
+impl<M: Linear> Coils<M> {
+    /// The heat of currents with this mean, in W, as if they had changed evenly.
+    fn heat(&self, mean: Vector, before: Vector, after: Vector) -> f64 {
+        let change = [after[0] - before[0], after[1] - before[1]];
+        dot(mean, self.resistance.times(mean)) + dot(change, self.resistance.times(change)) * (1.0 / 12.0)
+    }
+
+    /// The flux through the windings, that of the magnets included.
+    fn flux(&self, currents: Vector, angle: &Angle) -> Vector {
+        let ([a, b], magnet) = (self.inductance.times(currents), self.magnet.times([angle.cosine, angle.sine]));
+        [a + magnet[0], b + magnet[1]]
+    }
+
+    /// The currents that belong to a flux.
+    #[inline]
+    fn currents(&self, flux: Vector, angle: &Angle) -> Vector {
+        let magnet = self.magnet.times([angle.cosine, angle.sine]);
+        self.inverse.times([flux[0] - magnet[0], flux[1] - magnet[1]])
+    }
+
+    /// What the currents give the rotor, in Nm.
+    #[inline]
+    fn torque(&self, currents: Vector, angle: &Angle) -> f64 {
+        let [a, b] = self.torque.times(currents);
+        b * angle.cosine - a * angle.sine
     }
 }
 
 impl State {
     /// The motor in a state, and the load with it.
     pub(crate) fn of(motor: MotorState) -> Self {
+        let MotorState { speed, turns, .. } = motor;
         Self {
             motor,
-            ..Self::new((motor.speed, motor.turns), (motor.speed, motor.turns))
+            load: LoadState { speed, turns },
+            ended: Angle::ZERO,
         }
     }
 
-    /// Speeds and angles, and no current.
-    fn new((speed, turns): (f64, f64), load: (f64, f64)) -> Self {
-        let (sine, cosine) = (0.0, 1.0);
-        Self {
-            motor: MotorState {
-                currents: [0.0; 2],
-                speed,
-                turns,
-            },
-            load: LoadState {
-                speed: load.0,
-                turns: load.1,
-            },
-            ended: (0.0, sine, cosine),
-        }
-    }
-
-    /// Electrical sine and cosine of the shaft's angle.
-    fn direction(&self) -> (f64, f64) {
-        let (turns, sine, cosine) = self.ended;
-        if turns == self.motor.turns {
-            (sine, cosine)
-        } else {
-            sin_cos(self.motor.turns * PERIODS)
-        }
+    /// Electrical angle of the shaft.
+    fn angle(&self) -> Angle {
+        self.ended.at(self.motor.turns * PERIODS)
     }
 }
 
 /// How far the shaft is ahead of the load, in rad.
 fn twist(state: &State) -> f64 {
-    (state.motor.turns - state.load.turns) * core::f64::consts::TAU
+    (state.motor.turns - state.load.turns) * TAU
 }
 
-struct Slope<const N: usize> {
-    of: [f64; N],
-    currents: Vector,
-    heat: f64,
-    dead: f64,
-    drag: f64,
-}
-
-/// Coulomb friction, which takes speed away but never turns it round. The loss has built up evenly within the time.
-fn rub(speed: &mut f64, turns: &mut f64, deceleration: f64, time: f64) {
-    let most = deceleration * time;
-    let rubbed = if speed.abs() <= most { 0.0 } else { *speed - most.copysign(*speed) };
-    *turns += (rubbed - *speed) * (time * 0.5 * TURNS_PER_RADIAN);
-    *speed = rubbed;
+/// Coulomb friction, which takes speed away but never turns it round. The loss has built up evenly within the time. By how much the speed's
+/// square falls.
+fn rub(speed: &mut f64, turns: &mut f64, deceleration: f64, time: f64) -> f64 {
+    let (before, most) = (*speed, deceleration * time);
+    *speed = if before.abs() <= most {
+        0.0
+    } else {
+        before - most.copysign(before)
+    };
+    *turns += (*speed - before) * (time * 0.5 * TURNS_PER_RADIAN);
+    before * before - *speed * *speed
 }

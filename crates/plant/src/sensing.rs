@@ -39,7 +39,9 @@ impl Default for Sensing {
 pub(crate) struct Converter {
     sensing: Sensing,
     steps_per_ampere: f64,
+    milliamps_per_step: f64,
     steps_per_volt: f64,
+    millivolts_per_step: f64,
     random: u64,
 }
 
@@ -48,7 +50,9 @@ impl Converter {
         Self {
             sensing,
             steps_per_ampere: HALF_RANGE / sensing.current_range,
+            milliamps_per_step: sensing.current_range * (1000.0 / HALF_RANGE),
             steps_per_volt: 2.0 * HALF_RANGE / sensing.voltage_range,
+            millivolts_per_step: sensing.voltage_range * (500.0 / HALF_RANGE),
             random: sensing.seed,
         }
     }
@@ -60,12 +64,12 @@ impl Converter {
             0.0
         };
         let steps = nearest((ampere * self.steps_per_ampere + noise).clamp(-HALF_RANGE, HALF_RANGE - 1.0));
-        Milliamps(nearest(steps as f64 * (self.sensing.current_range * (1000.0 / HALF_RANGE))) as i32)
+        Milliamps(nearest(f64::from(steps) * self.milliamps_per_step))
     }
 
     pub(crate) fn voltage(&self, volt: f64) -> Millivolts {
         let steps = nearest((volt * self.steps_per_volt).clamp(0.0, 2.0 * HALF_RANGE - 1.0));
-        Millivolts(nearest(steps as f64 * (self.sensing.voltage_range * (500.0 / HALF_RANGE))) as i32)
+        Millivolts(nearest(f64::from(steps) * self.millivolts_per_step))
     }
 
     /// The sum of twelve even distributions, near enough to a normal one.

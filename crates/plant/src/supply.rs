@@ -4,9 +4,10 @@
 //! capacitor and pumps the bus up: the energy of 3 J in a rotating mass takes 1000 uF from 36 to 85 V. Nothing but the drive's own consumption brings it
 //! down again.
 
-use board::TICK;
+use board::{TICK, TICKS_PER_SECOND};
 
 const STEP: f64 = TICK.0 as f64 * 1e-9;
+const STEPS_PER_SECOND: f64 = TICKS_PER_SECOND as f64;
 
 /// What is between the source's voltage and the bridge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +35,8 @@ impl Default for SupplyParameters {
 /// A span of time, and in it the bus's way to where it settles.
 #[derive(Clone, Copy, Debug)]
 struct Span {
-    seconds: f64,
+    /// By how much a current of 1 A discharges the capacitor in V.
+    discharge: f64,
     /// The span in time constants of impedance and capacitor.
     constants: f64,
     /// The part that is left of a deviation.
@@ -45,7 +47,7 @@ impl Span {
     fn new(seconds: f64, parameters: &SupplyParameters) -> Self {
         let constants = seconds / (parameters.impedance * parameters.capacitance);
         Self {
-            seconds,
+            discharge: seconds / parameters.capacitance,
             constants,
             left: decay(constants),
         }
@@ -105,10 +107,10 @@ impl Bus {
     pub(crate) fn step(&mut self, charge: f64) -> Fed {
         let consumption = self.consumption();
         let before = self.voltage;
-        self.voltage = self.after(charge / STEP + consumption, &self.tick);
+        self.voltage = self.after(charge * STEPS_PER_SECOND + consumption, &self.tick);
         let drawn = charge + consumption * STEP;
         let fed = (self.parameters.capacitance * (self.voltage - before) + drawn).max(0.0);
-        self.current = fed / STEP;
+        self.current = fed * STEPS_PER_SECOND;
         let mean = 0.5 * (before + self.voltage);
         Fed {
             source: mean * fed,
@@ -123,12 +125,17 @@ impl Bus {
 
     /// The drive's own current: it ends with the last charge.
     fn consumption(&self) -> f64 {
-        self.parameters.consumption.min(self.voltage * self.parameters.capacitance / STEP)
+        let most = self.voltage * self.parameters.capacitance * STEPS_PER_SECOND;
+        if self.parameters.consumption < most {
+            self.parameters.consumption
+        } else {
+            most
+        }
     }
 
     /// The voltage after a span in which `current` is drawn.
     fn after(&self, current: f64, span: &Span) -> f64 {
-        let unfed = self.voltage - current * span.seconds / self.parameters.capacitance;
+        let unfed = self.voltage - current * span.discharge;
         let settled = self.source - self.parameters.impedance * current;
         let voltage = if self.voltage < self.source {
             let fed = settled + (self.voltage - settled) * span.left;

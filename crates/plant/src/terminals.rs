@@ -53,6 +53,8 @@ pub(crate) struct Terminals {
     pub(crate) held_on: InputLevels,
     /// Where the last step ended, which terminals were held on then, and the levels there.
     seen: (Turns, InputLevels, InputLevels),
+    /// Nothing switches from the first of these positions up to, not including, the second, between which the last step ended.
+    still: (Turns, Turns),
     /// How long before that the levels had changed that changed in that step.
     pub(crate) ages: [Nanos; INPUT_COUNT],
 }
@@ -71,10 +73,24 @@ impl Terminals {
             switches,
             held_on: InputLevels(0),
             seen: (config.start, InputLevels(0), InputLevels(0)),
+            still: (config.start, config.start),
             ages: [Nanos(0); INPUT_COUNT],
         };
         terminals.seen.2 = terminals.levels(config.start);
         terminals
+    }
+
+    /// The nearest edges around a position.
+    fn edges_around(&self, position: Turns) -> (Turns, Turns) {
+        let edges = self.switches.iter().flat_map(|switch| [switch.from, switch.to]);
+        let far = (Turns(f64::NEG_INFINITY), Turns(f64::INFINITY));
+        edges.fold(far, |(below, above), edge| {
+            if edge <= position {
+                (if edge > below { edge } else { below }, above)
+            } else {
+                (below, if edge < above { edge } else { above })
+            }
+        })
     }
 
     /// The levels while the shaft is at `position`.
@@ -85,7 +101,19 @@ impl Terminals {
     }
 
     /// Takes a step in which the shaft goes evenly from `start` to `end`, and returns the levels there.
+    #[inline]
     pub(crate) fn step(&mut self, start: Turns, end: Turns) -> InputLevels {
+        let (_, held_on, levels) = self.seen;
+        if self.still.0 <= end && end < self.still.1 && self.held_on == held_on {
+            self.seen.0 = end;
+            self.ages = [Nanos(0); INPUT_COUNT];
+            return levels;
+        }
+        self.switch(start, end)
+    }
+
+    /// A step that may have passed an edge.
+    fn switch(&mut self, start: Turns, end: Turns) -> InputLevels {
         let levels = self.levels(end);
         self.ages = match self.seen.2.0 ^ levels.0 {
             0 => [Nanos(0); INPUT_COUNT],
@@ -95,6 +123,7 @@ impl Terminals {
             }),
         };
         self.seen = (end, self.held_on, levels);
+        self.still = self.edges_around(end);
         levels
     }
 

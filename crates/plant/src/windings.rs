@@ -1,12 +1,13 @@
 //! The windings as the bridge sees them, whole or broken.
 //!
-//! All windings together act on the current vector by three symmetric matrices: resistance, inductance and back-EMF. With whole windings
-//! each is a plain number; a shorted one makes the two directions differ. A winding that cannot carry current confines the vector to the
-//! direction across it: what is left of the inverse inductance is the part along that direction.
+//! All windings together act on the current vector by symmetric matrices: resistance, inductance, and what the magnets induce. With whole windings
+//! each is a plain number, at a fraction of the cost; a shorted one makes the two directions differ. A winding that cannot carry current
+//! confines the vector to the direction across it: what is left of the inverse inductance is the part along that direction.
 
 use board::TICK;
 
 use crate::faults::{Faults, TURNS_LEFT};
+use crate::machine::PERIODS;
 use crate::motor::{MotorParameters, Phases};
 
 const STEP: f64 = TICK.0 as f64 * 1e-9;
@@ -20,6 +21,25 @@ pub(crate) type Vector = [f64; 2];
 
 pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// What a vector can be multiplied by: a number, or a matrix.
+pub(crate) trait Linear: Copy {
+    fn times(self, vector: Vector) -> Vector;
+}
+
+impl Linear for f64 {
+    #[inline]
+    fn times(self, vector: Vector) -> Vector {
+        vector.map(|part| self * part)
+    }
+}
+
+impl Linear for Symmetric {
+    #[inline]
+    fn times(self, [a, b]: Vector) -> Vector {
+        [self.aa * a + self.ab * b, self.ab * a + self.bb * b]
+    }
 }
 
 /// A symmetric matrix of two rows.
@@ -56,11 +76,19 @@ impl Symmetric {
             bb: self.aa / determinant,
         }
     }
+}
 
-    #[inline]
-    pub(crate) fn times(&self, [a, b]: Vector) -> Vector {
-        [self.aa * a + self.ab * b, self.ab * a + self.bb * b]
-    }
+/// What the windings make of a current vector or a flux, while some of them carry no current.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Coils<M> {
+    pub(crate) resistance: M,
+    pub(crate) inductance: M,
+    /// From flux to current.
+    pub(crate) inverse: M,
+    /// Flux of the magnets through a winding that they face, in V s.
+    pub(crate) magnet: M,
+    /// Torque of a current at right angles to the magnets, in Nm/A.
+    pub(crate) torque: M,
 }
 
 /// A set of windings, one bit for each.
@@ -68,6 +96,8 @@ impl Symmetric {
 pub(crate) struct Set(pub(crate) u8);
 
 impl Set {
+    pub(crate) const NONE: Self = Self(0);
+
     fn has(self, winding: usize) -> bool {
         self.0 >> winding & 1 == 1
     }
@@ -82,13 +112,13 @@ impl Set {
 pub(crate) struct Windings {
     pub(crate) phases: Phases,
     /// The directions of the windings; without a third it is nought.
-    pub(crate) axes: [Vector; MOST],
-    /// Inductance of each winding.
-    pub(crate) inductances: [f64; MOST],
-    pub(crate) resistance: Symmetric,
-    pub(crate) inductance: Symmetric,
-    /// The share of the back-EMF that is left.
-    pub(crate) emf: Symmetric,
+    axes: [Vector; MOST],
+    /// By each winding's current in A: the bus voltage whose ripple has that amplitude.
+    pub(crate) ripple: [f64; MOST],
+    /// All of them carrying current.
+    coils: Coils<Symmetric>,
+    /// The same in all directions, and while none of them carries current; `None` with a shorted winding.
+    alike: Option<[Coils<f64>; 2]>,
     /// The inverse of the inductance, for each set of windings without current.
     inverse: [Symmetric; 1 << MOST],
     /// Windings whose wire is broken.
@@ -110,30 +140,49 @@ impl Windings {
         let mut windings = Self {
             phases: motor.phases,
             axes,
-            inductances: [0.0; MOST],
-            resistance: Symmetric::default(),
-            inductance: Symmetric::default(),
-            emf: Symmetric::default(),
+            ripple: [0.0; MOST],
+            coils: Coils::default(),
+            alike: (faults.shorted == [false; 2]).then(|| {
+                let coils = coil(motor, in_series, 1.0);
+                [coils, Coils { inverse: 0.0, ..coils }]
+            }),
             inverse: [Symmetric::default(); 1 << MOST],
-            open: Set::default(),
+            open: Set::NONE,
         };
         for (winding, &axis) in axes.iter().enumerate().take(count) {
             let is = |broken: [bool; 2], sets: [u8; 2]| (0..2).any(|fault| broken[fault] && Set(sets[fault]).has(winding));
-            let turns = if is(faults.shorted, shorted) { TURNS_LEFT } else { 1.0 };
-            let resistance = turns * motor.resistance + in_series;
-            // A time constant below a tick could not be integrated.
-            let inductance = (turns * turns * motor.inductance).max(resistance * STEP);
+            let coil = coil(motor, in_series, if is(faults.shorted, shorted) { TURNS_LEFT } else { 1.0 });
             let along = |value: f64| Symmetric::square(axis, weight * value);
-            windings.inductances[winding] = inductance;
-            windings.resistance = windings.resistance.plus(along(resistance));
-            windings.inductance = windings.inductance.plus(along(inductance));
-            windings.emf = windings.emf.plus(along(turns));
+            let coils = &mut windings.coils;
+            coils.resistance = coils.resistance.plus(along(coil.resistance));
+            coils.inductance = coils.inductance.plus(along(coil.inductance));
+            coils.magnet = coils.magnet.plus(along(coil.magnet));
+            coils.torque = coils.torque.plus(along(coil.torque));
+            windings.ripple[winding] = coil.inductance * (16.0 / STEP);
             if is(faults.open, open) {
                 windings.open.insert(winding);
             }
         }
         windings.inverse = core::array::from_fn(|set| windings.confined(Set(set as u8)));
         windings
+    }
+
+    /// What the windings do while some of them carry no current, if that is the same in all directions.
+    #[inline]
+    pub(crate) fn alike(&self, idle: Set) -> Option<&Coils<f64>> {
+        let [flowing, still] = self.alike.as_ref()?;
+        match idle {
+            Set::NONE => Some(flowing),
+            _ => (usize::from(idle.0) + 1 == 1 << self.count()).then_some(still),
+        }
+    }
+
+    /// What the windings do while some of them carry no current.
+    pub(crate) fn coils(&self, idle: Set) -> Coils<Symmetric> {
+        Coils {
+            inverse: self.inverse[usize::from(idle.0) % (1 << MOST)],
+            ..self.coils
+        }
     }
 
     /// Number of windings.
@@ -146,10 +195,10 @@ impl Windings {
 
     fn confined(&self, without: Set) -> Symmetric {
         match without.0.count_ones() {
-            0 => self.inductance.inverse(),
+            0 => self.coils.inductance.inverse(),
             1 => {
                 let across = self.across(without);
-                Symmetric::square(across, 1.0 / dot(across, self.inductance.times(across)))
+                Symmetric::square(across, 1.0 / dot(across, self.coils.inductance.times(across)))
             }
             _ => Symmetric::default(),
         }
@@ -159,11 +208,6 @@ impl Windings {
     fn across(&self, set: Set) -> Vector {
         let [a, b] = self.axes[set.0.trailing_zeros() as usize % MOST];
         [-b, a]
-    }
-
-    /// The inverse of the inductance while a set of windings carries no current.
-    pub(crate) fn inverse(&self, without: Set) -> &Symmetric {
-        &self.inverse[usize::from(without.0) % (1 << MOST)]
     }
 
     /// What is left of a current vector when a set of windings carries no current any more.
@@ -179,16 +223,34 @@ impl Windings {
     }
 
     /// The current of each winding.
-    pub(crate) fn currents(&self, vector: Vector) -> [f64; MOST] {
-        self.axes.map(|axis| dot(axis, vector))
+    #[inline]
+    pub(crate) fn currents(&self, [a, b]: Vector) -> [f64; MOST] {
+        match self.phases {
+            Phases::Two => [a, b, 0.0],
+            Phases::Three => [a, -0.5 * a + SQRT_3_4 * b, -0.5 * a - SQRT_3_4 * b],
+        }
     }
 
     /// The vector of voltages over the windings, each between its leg's terminal and the star, or between its two legs.
-    pub(crate) fn vector(&self, voltages: [f64; MOST]) -> Vector {
-        let [u, v, w] = voltages;
+    #[inline]
+    pub(crate) fn vector(&self, [u, v, w]: [f64; MOST]) -> Vector {
         match self.phases {
             Phases::Two => [u, v],
-            Phases::Three => [(2.0 * u - v - w) / 3.0, (v - w) / (2.0 * SQRT_3_4)],
+            Phases::Three => [(2.0 * u - v - w) * (1.0 / 3.0), (v - w) * (0.5 / SQRT_3_4)],
         }
+    }
+}
+
+/// A single winding with a share of its turns left, and with what it has in series.
+fn coil(motor: &MotorParameters, in_series: f64, turns: f64) -> Coils<f64> {
+    let resistance = turns * motor.resistance + in_series;
+    // A time constant below a tick could not be integrated.
+    let inductance = (turns * turns * motor.inductance).max(resistance * STEP);
+    Coils {
+        resistance,
+        inductance,
+        inverse: 1.0 / inductance,
+        magnet: turns * motor.back_emf / PERIODS,
+        torque: turns * motor.torque_constant(),
     }
 }
