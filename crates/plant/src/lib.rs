@@ -140,7 +140,7 @@ impl Plant {
             drawn = spent.drawn;
             heat += spent.heat;
         }
-        let kinetic = self.machine.kinetic_energy(&after);
+        let mechanical = self.machine.mechanical_energy(&after);
         let (lowest, highest) = self.config.travel.stops;
         self.machine.stop_at(&mut after, (lowest.0, highest.0));
         self.state = after;
@@ -150,7 +150,7 @@ impl Plant {
         account.consumption += fed.consumption;
         account.heat += heat;
         account.drag += moved.drag;
-        account.friction += moved.friction + kinetic - self.machine.kinetic_energy(&after);
+        account.friction += moved.friction + mechanical - self.machine.mechanical_energy(&after);
         account.load += self.machine.work(after.load.turns - before.load.turns);
     }
 

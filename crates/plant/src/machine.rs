@@ -305,6 +305,11 @@ impl Machine {
         self.load.torque * turns * core::f64::consts::TAU
     }
 
+    /// All energy that an end stop can take, in J: a weight that pulls against the stop gains none by what the stop holds it back.
+    pub(crate) fn mechanical_energy(&self, state: &State) -> f64 {
+        self.kinetic_energy(state) + self.elastic_energy(state) + self.work(state.load.turns)
+    }
+
     /// The state when the rotor has seized.
     pub(crate) fn stuck(&self, mut state: State) -> State {
         state.motor.speed = 0.0;
