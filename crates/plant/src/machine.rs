@@ -268,6 +268,11 @@ impl Machine {
         self.load.torque * turns * TAU
     }
 
+    /// All energy that an end stop can take, in J: a weight that pulls against the stop gains none by what the stop holds it back.
+    pub(crate) fn mechanical_energy(&self, state: &State) -> f64 {
+        self.kinetic_energy(state) + self.elastic_energy(state) + self.work(state.load.turns)
+    }
+
     /// The state when the rotor has seized.
     pub(crate) fn stuck(&self, mut state: State) -> State {
         state.motor.speed = 0.0;
@@ -279,23 +284,22 @@ impl Machine {
 
     /// Brings the load to rest at the end of its travel. With a rigid coupling, the rotor with it. The energy that the end takes.
     pub(crate) fn stop_at(&self, state: &mut State, (lowest, highest): (f64, f64)) -> f64 {
-        let outwards = if state.load.turns < lowest {
-            state.load.turns = lowest;
-            -1.0
+        let (end, outwards) = if state.load.turns < lowest {
+            (lowest, -1.0)
         } else if state.load.turns > highest {
-            state.load.turns = highest;
-            1.0
+            (highest, 1.0)
         } else {
             return 0.0;
         };
-        let before = self.kinetic_energy(state);
+        let before = self.mechanical_energy(state);
+        state.load.turns = end;
         if state.load.speed * outwards > 0.0 {
             state.load.speed = 0.0;
         }
         if !self.elastic {
             (state.motor.speed, state.motor.turns) = (state.load.speed, state.load.turns);
         }
-        before - self.kinetic_energy(state)
+        before - self.mechanical_energy(state)
     }
 }
 

@@ -1,5 +1,6 @@
 //! The energy account.
 
+use board::Actuators;
 use plant::{Coupling, EnergyAccount, Load, Plant, PlantConfig, motors};
 
 use crate::controller::Field;
@@ -46,5 +47,38 @@ fn the_balance_closes_over_acceleration_braking_and_standstill() {
             assert!(energy.source > 1.0 && plant.shaft().0 > 0.5);
             assert!(most < 1e-3 * energy.source, "{}: {most} J unaccounted for, {energy:?}", motor.name);
         }
+    }
+}
+
+#[test]
+fn an_end_stop_takes_what_a_falling_weight_brings_and_nothing_from_one_that_rests_on_it() {
+    let coupling = Coupling {
+        stiffness: 200.0,
+        damping: 0.01,
+    };
+    for coupling in [None, Some(coupling)] {
+        let mut config = PlantConfig {
+            load: Load {
+                torque: 0.06,
+                coupling,
+                ..Load::inertia(300e-7)
+            },
+            ..PlantConfig::default()
+        };
+        config.motor.friction = 0.0;
+        config.travel.stops = (plant::Turns(-1.0), plant::Turns(1.0));
+        let mut plant = Plant::new(config);
+        let mut run = |seconds: f64| {
+            for _ in 0..(seconds * 20_000.0) as u32 {
+                plant.step(&Actuators::default());
+            }
+            (plant.energy(), plant.axis())
+        };
+        let (fallen, _) = run(1.0);
+        let (rested, axis) = run(10.0);
+        assert!((axis.0 + 1.0).abs() < 1e-6, "{axis:?}");
+        assert!(unaccounted(&fallen).abs() < 1e-3 * fallen.load.abs(), "{coupling:?}: {fallen:?}");
+        let since = unaccounted(&rested) - unaccounted(&fallen);
+        assert!(since.abs() < 1e-6, "{coupling:?}: {since} J in 10 s of rest");
     }
 }
