@@ -6,6 +6,7 @@ use board::{InputLevels, Millivolts};
 use drive::{Alarm, PowerState};
 use ethercrab::subdevice_group::PreOp;
 use ethercrab::{Command, MainDevice};
+use plant::Faults;
 use rig::Rig;
 use usr2556e::breakdown::Breakdown;
 use usr2556e::drive::{DriveConfig, VirtualDrive};
@@ -29,7 +30,21 @@ struct Case {
     cure: fn(&Rig),
 }
 
-const CASES: [Case; 2] = [
+/// A current sensor that breaks; what the drive reads of it while the power stage is off gives it away.
+const fn broken_sensor(code: u16, provoke: fn(&Rig)) -> Case {
+    Case {
+        code,
+        error_register: 0x05,
+        alarm_code: 0x0001,
+        alarm: Alarm::Fault { red: 3 },
+        provoke,
+        cure: |rig| rig.touch(0, |drive| drive.plant_mut().set_faults(Faults::default())),
+    }
+}
+
+const CASES: [Case; 4] = [
+    broken_sensor(0x3150, |rig| broken(rig, Breakdown::SensorA)),
+    broken_sensor(0x3151, |rig| broken(rig, Breakdown::SensorB)),
     Case {
         code: 0x3110,
         error_register: 0x05,
@@ -62,6 +77,7 @@ fn emergency(code: u16, error_register: u8, alarm_code: u16) -> Vec<u8> {
     vec![low, high, error_register, first, second, 0, 0, 0]
 }
 
+// manual: 1.6/internal-voltage 2.2.14/internal-voltage 2.3.1/3150 2.3.1/3151
 // manual: 1.6/overvoltage 1.6/parameters 2.2.14/overvoltage 2.2.14/cleared 2.3.1/3110 2.3.1/5530 2.3.1/cleared
 #[test]
 fn faults_are_told_by_objects_emergency_and_led_and_cleared_by_controlword_or_input() {

@@ -50,6 +50,7 @@ pub use config::{PlantConfig, Wiring};
 pub use energy::EnergyAccount;
 pub use envelope::Envelope;
 pub use faults::Faults;
+use faults::SENSOR_OFFSET;
 pub use load::{Coupling, Load, LoadState};
 use machine::{Machine, Moved, State};
 pub use motor::{MotorParameters, MotorState, Phases};
@@ -110,7 +111,9 @@ impl Plant {
         self.outputs = actuators.outputs;
         let stage = self.preload(actuators.stage);
         self.drive(stage);
-        self.phase_currents = self.currents().map(|ampere| self.converter.current(ampere));
+        let [a, b] = self.currents();
+        let [off_a, off_b] = self.faults.sensors.map(|broken| if broken { SENSOR_OFFSET } else { 0.0 });
+        self.phase_currents = [a + off_a, b + off_b].map(|ampere| self.converter.current(ampere));
         self.bus_voltage = self.converter.voltage(self.bus.voltage);
         let inputs = self.terminals.step(start, self.axis());
         self.sensors_with(inputs)

@@ -17,6 +17,10 @@ pub enum Breakdown {
     ShortedA,
     /// Most turns of winding B, or W, are shorted.
     ShortedB,
+    /// The sensor of winding A's current, or U's, reads 1 A too much.
+    SensorA,
+    /// The sensor of winding B's current, or W's, reads 1 A too much.
+    SensorB,
     /// The rotor cannot turn.
     StuckRotor,
     /// The supply's voltage is off by so much: a sag below 0, a surge above.
@@ -28,11 +32,13 @@ pub const LARGEST_OFFSET: i32 = 100_000;
 
 impl Breakdown {
     /// All but the supply, by name.
-    const NAMED: [(&str, Self); 5] = [
+    const NAMED: [(&str, Self); 7] = [
         ("open-a", Self::OpenA),
         ("open-b", Self::OpenB),
         ("shorted-a", Self::ShortedA),
         ("shorted-b", Self::ShortedB),
+        ("sensor-a", Self::SensorA),
+        ("sensor-b", Self::SensorB),
         ("stuck-rotor", Self::StuckRotor),
     ];
 
@@ -43,6 +49,8 @@ impl Breakdown {
             Self::OpenB => faults.open[1] = true,
             Self::ShortedA => faults.shorted[0] = true,
             Self::ShortedB => faults.shorted[1] = true,
+            Self::SensorA => faults.sensors[0] = true,
+            Self::SensorB => faults.sensors[1] = true,
             Self::StuckRotor => faults.stuck_rotor = true,
             Self::Supply(offset) => faults.supply_offset = offset,
         }
@@ -50,16 +58,15 @@ impl Breakdown {
 
     /// What is broken, one by one.
     pub fn all_of(faults: &Faults) -> impl Iterator<Item = Self> {
-        let named = [
-            faults.open[0],
-            faults.open[1],
-            faults.shorted[0],
-            faults.shorted[1],
-            faults.stuck_rotor,
-        ];
+        // Adding what is there already changes nothing.
+        let is_there = |breakdown: &Self| {
+            let mut more = *faults;
+            breakdown.add_to(&mut more);
+            more == *faults
+        };
         let supply = (faults.supply_offset != Millivolts(0)).then_some(Self::Supply(faults.supply_offset));
-        let named = Self::NAMED.into_iter().zip(named).filter(|(_, broken)| *broken);
-        named.map(|((_, breakdown), _)| breakdown).chain(supply)
+        let named = Self::NAMED.into_iter().map(|(_, breakdown)| breakdown);
+        named.filter(is_there).chain(supply)
     }
 }
 
@@ -81,7 +88,7 @@ impl fmt::Display for NoBreakdown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "known are open-a, open-b, shorted-a, shorted-b, stuck-rotor, and supply with a number of mV up to {LARGEST_OFFSET} either way"
+            "known are open-a, open-b, shorted-a, shorted-b, sensor-a, sensor-b, stuck-rotor, and supply with a number of mV up to {LARGEST_OFFSET} either way"
         )
     }
 }
@@ -152,6 +159,7 @@ mod tests {
             "break 3 shorted-a",
             "break 4 shorted-b",
             "break 5 stuck-rotor",
+            "break 5 sensor-a",
             "break 6 supply -12000",
             "mend 7",
         ] {

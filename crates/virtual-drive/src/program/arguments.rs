@@ -225,6 +225,10 @@ pub enum FaultAction {
     ShortedA,
     /// Short most turns of winding B (of W with three phases)
     ShortedB,
+    /// Let the sensor of winding A's current (U's with three phases) read 1 A too much
+    SensorA,
+    /// Let the sensor of winding B's current (W's with three phases) read 1 A too much
+    SensorB,
     /// Keep the rotor from turning
     StuckRotor,
     /// Let the supply be off by some volts: a sag below 0, a surge above

@@ -30,6 +30,8 @@ pub(super) fn fault(options: &Fault) -> anyhow::Result<()> {
         FaultAction::OpenB => Breakdown::OpenB,
         FaultAction::ShortedA => Breakdown::ShortedA,
         FaultAction::ShortedB => Breakdown::ShortedB,
+        FaultAction::SensorA => Breakdown::SensorA,
+        FaultAction::SensorB => Breakdown::SensorB,
         FaultAction::StuckRotor => Breakdown::StuckRotor,
         FaultAction::Supply { volts } => Breakdown::Supply(Millivolts((volts * 1000.0).round() as i32)),
         FaultAction::Mend => return give(&options.control, Order::Damage(Damage::Mend(drive))),
