@@ -21,6 +21,7 @@ use crate::power_stage::{Current, CurrentVector, Field};
 use crate::power_state::PowerState;
 use crate::profile::{Acceleration, Position, Speed};
 use crate::protection::{self, Protection};
+use crate::root::whole_root;
 use crate::statusword::{self, TARGET_REACHED, flag};
 use crate::touch_probe::{self, TouchProbes};
 
@@ -413,6 +414,6 @@ fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
         Phases::Two => second.unsigned_abs().pow(2),
         Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
     };
-    let amplitude = (first.unsigned_abs().pow(2) + across).isqrt();
+    let amplitude = whole_root((first.unsigned_abs().pow(2) + across).into());
     (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
 }
