@@ -46,8 +46,38 @@ pub struct Commissioning {
     /// Whether the motor has been identified to satisfaction.
     known: bool,
     winding: Option<Winding>,
+    /// What follows from it in the objects.
+    registers: Registers,
     /// 0x200B:01 and 0x200C:01 as last seen.
     seen: (u16, u16),
+}
+
+/// A winding as the objects show it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Registers {
+    /// 0x200C:02.
+    resistance: u16,
+    /// 0x200C:03.
+    inductance: u16,
+    /// 0x200B:02.
+    kp: u16,
+    /// 0x200B:03.
+    ki: u16,
+}
+
+impl Registers {
+    fn of(winding: Winding, phases: Phases) -> Self {
+        let transistors = match phases {
+            Phases::Two => 2.0 * TRANSISTOR,
+            Phases::Three => TRANSISTOR,
+        };
+        Self {
+            resistance: rounded((winding.resistance - transistors) * 1e3).clamp(100, 65_535),
+            inductance: rounded(winding.inductance * 1e3).min(10),
+            kp: rounded(winding.inductance * 1e6).max(100),
+            ki: rounded(winding.resistance * 1e3 / 5.0).min(10_000),
+        }
+    }
 }
 
 impl Commissioning {
@@ -100,15 +130,12 @@ impl Commissioning {
         if settings != self.seen {
             (self.known, self.winding, self.seen) = (false, None, settings);
         }
-        let Some(winding) = self.winding else { return };
-        let transistors = match Phases::from_object(objects.motor_type) {
-            Phases::Two => 2.0 * TRANSISTOR,
-            Phases::Three => TRANSISTOR,
-        };
-        objects.resistance_auto = rounded((winding.resistance - transistors) * 1e3).clamp(100, 65_535);
-        objects.inductance_auto = rounded(winding.inductance * 1e3).min(10);
-        objects.current_loop_kp = rounded(winding.inductance * 1e6).max(100);
-        objects.current_loop_ki = rounded(winding.resistance * 1e3 / 5.0).min(10_000);
+        if self.winding.is_some() {
+            objects.resistance_auto = self.registers.resistance;
+            objects.inductance_auto = self.registers.inductance;
+            objects.current_loop_kp = self.registers.kp;
+            objects.current_loop_ki = self.registers.ki;
+        }
     }
 
     /// One tick of the motor's first enabling; none if there is nothing to find out.
@@ -143,17 +170,18 @@ impl Commissioning {
             return Some(Order::Drive(vector, voltage));
         }
         self.progress = Progress::Over;
-        self.conclude(outcome, vector, objects.error_detection)
+        self.conclude(outcome, vector, objects)
     }
 
     /// What comes of the end of the identification.
-    fn conclude(&mut self, outcome: Outcome, vector: CurrentVector, error_detection: u16) -> Option<Order> {
+    fn conclude(&mut self, outcome: Outcome, vector: CurrentVector, objects: &DriveObjects) -> Option<Order> {
         match outcome {
             Outcome::Known(winding, voltage) => {
                 (self.known, self.winding) = (winding.settled, Some(winding));
+                self.registers = Registers::of(winding, Phases::from_object(objects.motor_type));
                 Some(Order::TakeOver(vector, voltage))
             }
-            Outcome::Open(_) if error_detection & PHASE_LOSS != 0 => Some(Order::Fault(Fault::PhaseLoss)),
+            Outcome::Open(_) if objects.error_detection & PHASE_LOSS != 0 => Some(Order::Fault(Fault::PhaseLoss)),
             Outcome::Shorted => Some(Order::Fault(Fault::Overcurrent)),
             _ => None,
         }

@@ -67,9 +67,20 @@ impl Signals {
 pub struct Inputs {
     /// The level of each input that has been steady for long enough; none before the first tick, whose levels count at once.
     steady: Option<InputLevels>,
-    /// For how many ticks each input has differed from its steady level.
-    differing: [u16; INPUT_COUNT],
+    /// Counts ticks; wraps after more of them than the longest filter has.
+    now: u16,
+    /// Which inputs differ from their steady level.
+    differing: u8,
+    /// When each of those has begun to.
+    since: [u16; LANES],
+    /// The functions of the inputs, 0x2007, as last seen.
+    functions: [u16; INPUT_COUNT],
+    /// What follows from them: which inputs have each function, bit 0 IN1.
+    inputs: [u8; PROBE_2 + 1],
 }
+
+/// Room for the inputs in a round number, with which the filter goes through all of them by one vector instruction where there are such.
+const LANES: usize = 8;
 
 impl Inputs {
     /// Takes a tick's levels.
@@ -79,7 +90,8 @@ impl Inputs {
         let normally_open = objects.input_polarity as u8;
         let valid = !(steady.0 ^ normally_open) & ((1 << INPUT_COUNT) - 1);
         let changed = steady.0 ^ before.0;
-        let inputs = inputs_by_function(objects);
+        self.assign(objects);
+        let inputs = &self.inputs;
         let some_valid = |function: usize| valid & inputs[function] != 0;
         Signals {
             valid,
@@ -103,53 +115,47 @@ impl Inputs {
     }
 
     /// The levels that follow on `steady`, and which inputs have begun to differ from it.
-    fn filter(&mut self, levels: InputLevels, mut steady: InputLevels, ticks: u16) -> (InputLevels, u8) {
+    fn filter(&mut self, levels: InputLevels, steady: InputLevels, ticks: u16) -> (InputLevels, u8) {
+        self.now = self.now.wrapping_add(1);
         let differing = levels.0 ^ steady.0;
-        if differing == 0 {
-            *self = Self {
-                steady: Some(steady),
-                ..Self::default()
-            };
-            return (steady, 0);
-        }
-        let mut begun = 0;
-        for (number, count) in self.differing.iter_mut().enumerate() {
-            if differing >> number & 1 == 0 {
-                *count = 0;
-                continue;
-            }
-            if *count == 0 {
-                begun |= 1 << number;
-            }
-            if *count >= ticks {
-                steady.0 ^= 1 << number;
-                *count = 0;
-            } else {
-                *count += 1;
+        let begun = differing & !self.differing;
+        let mut over = 0;
+        if differing != 0 {
+            for (number, since) in self.since.iter_mut().enumerate() {
+                let bit = 1 << number;
+                *since = if u16::from(begun) & bit != 0 { self.now } else { *since };
+                over |= if self.now.wrapping_sub(*since) >= ticks { bit } else { 0 };
             }
         }
+        let over = over as u8;
+        let changed = differing & over;
+        self.differing = differing & !changed;
+        let steady = InputLevels(steady.0 ^ changed);
         self.steady = Some(steady);
         (steady, begun)
     }
-}
 
-/// Which inputs have each function, bit 0 IN1. Unknown functions are general ones.
-fn inputs_by_function(objects: &DriveObjects) -> [u8; PROBE_2 + 1] {
-    let functions: [u16; INPUT_COUNT] = [
-        objects.input_1_function,
-        objects.input_2_function,
-        objects.input_3_function,
-        objects.input_4_function,
-        objects.input_5_function,
-        objects.input_6_function,
-    ];
-    let mut inputs = [0; PROBE_2 + 1];
-    for (number, function) in functions.into_iter().enumerate() {
-        if let Some(inputs) = inputs.get_mut(usize::from(function)) {
-            *inputs |= 1 << number;
+    /// Sorts the inputs by their functions, when those have changed. Unknown functions are general ones.
+    fn assign(&mut self, objects: &DriveObjects) {
+        let functions = [
+            objects.input_1_function,
+            objects.input_2_function,
+            objects.input_3_function,
+            objects.input_4_function,
+            objects.input_5_function,
+            objects.input_6_function,
+        ];
+        if functions == self.functions {
+            return;
+        }
+        self.functions = functions;
+        self.inputs = [0; PROBE_2 + 1];
+        for (number, function) in functions.into_iter().enumerate() {
+            if let Some(inputs) = self.inputs.get_mut(usize::from(function)) {
+                *inputs |= 1 << number;
+            }
         }
     }
-    inputs
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@
 //! | `brake` | when the holding brake opens and shuts |
 //! | `outputs` | digital outputs: function and polarity |
 //! | [`statusword`] | 0x6041 |
+//! | `root` | square roots |
 //! | [`alarm`] | the alarm LED |
 //!
 //! Nothing here reads a clock, blocks or fails: a tick takes bounded time, and whatever a master writes has a defined effect.
@@ -46,6 +47,7 @@ mod power_stage;
 pub mod power_state;
 pub mod profile;
 mod protection;
+mod root;
 pub mod statusword;
 mod touch_probe;
 

@@ -4,6 +4,7 @@ use board::{ELECTRICAL_PERIODS_PER_TURN, ElectricalAngle, Milliamps, TICKS_PER_S
 
 use crate::current_loop::Phases;
 use crate::objects::DriveObjects;
+use crate::root::whole_root;
 
 /// Ticks in which the current falls to the standby current, 50 ms: slowly, so that the rotor settles without a jerk.
 const STANDBY_RAMP: u32 = TICKS_PER_SECOND / 20;
@@ -185,7 +186,7 @@ pub fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
         Phases::Two => second.unsigned_abs().pow(2),
         Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
     };
-    let amplitude = (first.unsigned_abs().pow(2) + across).isqrt();
+    let amplitude = whole_root((first.unsigned_abs().pow(2) + across).into());
     (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
 }
 

@@ -110,10 +110,15 @@ impl Protection {
         let nothing = NOTHING.0 * amplitude + NOTHING.1;
         let advance = due.angle.0.wrapping_sub(self.angle.replace(due.angle).unwrap_or(due.angle).0) as i32;
         let speed = advance.unsigned_abs() as f32 * (core::f32::consts::TAU / 4_294_967_296.0 * TICKS_PER_SECOND as f32);
+        let idle = currents.map(|current| current.abs() < nothing);
+        if !idle[0] && !idle[1] && (!idle[2] || view.phases == Phases::Two) {
+            self.missing = [0.0; 3];
+            return None;
+        }
         let in_reach = view.supply > REACH * nothing * speed * view.inductance;
         let wanted = shares(view.phases, Direction::of(due.angle.0)).map(|share| (share.abs() - view.harmonic) * amplitude);
-        for ((missing, current), wanted) in self.missing.iter_mut().zip(currents).zip(wanted) {
-            if current.abs() >= nothing {
+        for ((missing, idle), wanted) in self.missing.iter_mut().zip(idle).zip(wanted) {
+            if !idle {
                 *missing = 0.0;
             } else if wanted > SOMETHING * nothing && in_reach {
                 *missing += wanted / amplitude;

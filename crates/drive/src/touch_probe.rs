@@ -91,15 +91,30 @@ impl Probe {
 /// Where and when an input's level changed.
 #[derive(Clone, Copy, Debug, Default)]
 struct Place {
-    /// Sub-pulses travelled since power-up; wraps.
-    travelled: i64,
     /// Time since power-up.
     instant: Nanos,
+    /// How long that was before the end of its tick, a tick at the most.
+    age: Nanos,
+    /// Sub-pulses travelled since power-up by the end of that tick; wraps.
+    travelled: i64,
+    /// Sub-pulses travelled in that tick.
+    travel: i64,
+}
+
+impl Place {
+    /// Sub-pulses travelled since power-up by the instant. Inputs change more often than they are latched, so only what is latched is
+    /// put to this division.
+    const fn travelled(&self) -> i64 {
+        // The fastest motion of all times a tick in nanoseconds is just within an i64.
+        let since = self.travel * self.age.0 as i64 / TICK.0 as i64;
+        self.travelled.wrapping_sub(since)
+    }
 }
 
 /// The two touch probes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TouchProbes {
+    /// The end of this tick.
     now: Place,
     /// Where each input last began to differ from its filtered level.
     begun: [Place; INPUT_COUNT],
@@ -109,11 +124,10 @@ pub(crate) struct TouchProbes {
 impl TouchProbes {
     /// Follows the motion of a tick that is over and latches what its edges ask for.
     pub fn tick(&mut self, sensors: &Sensors, signals: &Signals, motion: &Motion, objects: &mut DriveObjects) {
-        self.now.travelled = self.now.travelled.wrapping_add(motion.travel());
+        self.now.travel = motion.travel();
+        self.now.travelled = self.now.travelled.wrapping_add(self.now.travel);
         self.now.instant.0 += TICK.0;
-        if signals.differing != 0 {
-            self.note(signals.differing, sensors, motion);
-        }
+        self.note(signals.differing, sensors);
         let mut status = 0;
         for number in 0..PROBES {
             let function = Function((objects.probe_function >> (8 * number)) as u8);
@@ -122,7 +136,7 @@ impl TouchProbes {
                 && let Some(edge) = edge
             {
                 let place = self.place(edge, signals.changed & signals.probes[number]);
-                let back = self.now.travelled.wrapping_sub(place.travelled);
+                let back = self.now.travelled.wrapping_sub(place.travelled());
                 let position = Position::from_sub_pulses(motion.position().sub_pulses().wrapping_sub(back));
                 latch(objects, number, edge, position);
             }
@@ -132,26 +146,37 @@ impl TouchProbes {
     }
 
     /// Notes where `inputs` have changed their level within the last tick.
-    fn note(&mut self, inputs: u8, sensors: &Sensors, motion: &Motion) {
-        for number in members(inputs) {
-            let age = sensors.level_ages[number].min(TICK);
-            // The fastest motion of all times a tick in nanoseconds is just within an i64.
-            let since = motion.travel() * age.0 as i64 / TICK.0 as i64;
-            self.begun[number] = Place {
-                travelled: self.now.travelled.wrapping_sub(since),
-                instant: Nanos(self.now.instant.0 - age.0),
-            };
+    fn note(&mut self, inputs: u8, sensors: &Sensors) {
+        for (number, begun) in self.begun.iter_mut().enumerate() {
+            if inputs >> number & 1 != 0 {
+                let age = sensors.level_ages[number].min(TICK);
+                *begun = Place {
+                    instant: Nanos(self.now.instant.0 - age.0),
+                    age,
+                    ..self.now
+                };
+            }
         }
     }
 
     /// Where the edge of a signal was that `inputs` have together: it rises with the first of them and falls with the last.
-    fn place(&self, edge: Edge, inputs: u8) -> Place {
-        let places = members(inputs).map(|number| self.begun[number]);
-        let place = match edge {
-            Edge::Rising => places.min_by_key(|place| place.instant),
-            Edge::Falling => places.max_by_key(|place| place.instant),
-        };
-        place.unwrap_or(self.now)
+    fn place(&self, edge: Edge, mut inputs: u8) -> &Place {
+        let mut place = self.begun.get(inputs.trailing_zeros() as usize).unwrap_or(&self.now);
+        // Mostly it is but one input.
+        while inputs & inputs.wrapping_sub(1) != 0 {
+            inputs &= inputs - 1;
+            let Some(begun) = self.begun.get(inputs.trailing_zeros() as usize) else {
+                break;
+            };
+            let decides = match edge {
+                Edge::Rising => begun.instant < place.instant,
+                Edge::Falling => begun.instant > place.instant,
+            };
+            if decides {
+                place = begun;
+            }
+        }
+        place
     }
 }
 
@@ -165,11 +190,6 @@ const fn edge(signals: &Signals, probe: usize) -> Option<Edge> {
         (true, false) => Some(Edge::Falling),
         _ => None,
     }
-}
-
-/// The inputs of a set, counted from 0.
-fn members(inputs: u8) -> impl Iterator<Item = usize> {
-    (0..INPUT_COUNT).filter(move |number| inputs >> number & 1 != 0)
 }
 
 fn latch(objects: &mut DriveObjects, probe: usize, edge: Edge, position: Position) {

@@ -33,12 +33,17 @@ impl Harmonic {
         })
     }
 
-    /// `current`, which has this `amplitude` and `angle`, with the harmonic.
-    pub fn added_to(self, current: Vector, amplitude: f32, angle: u32) -> Vector {
-        let height = amplitude * f32::from(self.amplitude) * 1e-3;
+    /// The angles of the harmonic in windings A and B, for a current at this `angle`.
+    pub const fn angles(self, angle: u32) -> [u32; 2] {
         let third = angle.wrapping_mul(3);
-        let a = current.a + height * Direction::of(third.wrapping_add(self.phase_a)).cosine;
-        let b = current.b + height * Direction::of(third.wrapping_add(self.phase_b)).sine;
+        [third.wrapping_add(self.phase_a), third.wrapping_add(self.phase_b)]
+    }
+
+    /// `current`, which has this `amplitude`, with the harmonic at the directions of [`Harmonic::angles`].
+    pub fn added_to(self, current: Vector, amplitude: f32, [first, second]: [Direction; 2]) -> Vector {
+        let height = amplitude * f32::from(self.amplitude) * 1e-3;
+        let a = current.a + height * first.cosine;
+        let b = current.b + height * second.sine;
         Vector {
             a: a.clamp(-MOST, MOST),
             b: b.clamp(-MOST, MOST),
@@ -59,7 +64,7 @@ mod tests {
     /// The torque per ampere of the operating current that a rotor at `angle` less `behind` has from the harmonic alone, in units of
     /// the torque constant.
     fn torque(harmonic: Harmonic, angle: u32) -> f32 {
-        let current = harmonic.added_to(Vector::default(), 1.0, angle);
+        let current = harmonic.added_to(Vector::default(), 1.0, Direction::of_each(harmonic.angles(angle)));
         Direction::of(angle).into_frame(current).b
     }
 
@@ -93,7 +98,7 @@ mod tests {
             let angle = step << 26;
             let direction = Direction::of(angle);
             let current = direction.out_of_frame(Vector { a: 6.0, b: 0.0 });
-            let with = whole.added_to(current, 6.0, angle);
+            let with = whole.added_to(current, 6.0, Direction::of_each(whole.angles(angle)));
             assert!(with.a.abs() <= MOST && with.b.abs() <= MOST);
         }
     }

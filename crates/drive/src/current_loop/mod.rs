@@ -126,14 +126,19 @@ impl CurrentLoop {
         };
         let trim = self.damper.tick(&passed, settings.resistance, settings.back_emf);
         let angle = due.angle.0.wrapping_add(angle_of(trim));
-        let frame = Direction::of(angle);
-        let ahead = Direction::of(angle.wrapping_add(turn.wrapping_add(turn >> 1) as u32));
+        let turned = angle.wrapping_add(turn.wrapping_add(turn >> 1) as u32);
 
-        let error = match settings.harmonic {
-            None => Vector { a: amplitude, b: 0.0 }.minus(frame.into_frame(measured)),
+        let (ahead, error) = match settings.harmonic {
+            None => {
+                let [frame, ahead] = Direction::of_each([angle, turned]);
+                (ahead, Vector { a: amplitude, b: 0.0 }.minus(frame.into_frame(measured)))
+            }
             Some(harmonic) => {
+                let [first, second] = harmonic.angles(angle);
+                let [frame, ahead, first, second] = Direction::of_each([angle, turned, first, second]);
                 let current = frame.out_of_frame(Vector { a: amplitude, b: 0.0 });
-                frame.into_frame(harmonic.added_to(current, amplitude, angle).minus(measured))
+                let current = harmonic.added_to(current, amplitude, [first, second]);
+                (ahead, frame.into_frame(current.minus(measured)))
             }
         };
         let bridge = Bridge::at(sensors.bus_voltage, settings.phases);

@@ -3,6 +3,8 @@
 //! A stop from speed `v` with deceleration `d` runs `v - d`, `v - 2d`, ... for one tick each until nothing is left. Both questions are
 //! sums of that series, and are answered exactly; all quantities are magnitudes in sub-pulses and ticks.
 
+use crate::root::whole_root;
+
 /// The longest distance reckoned with, more than the whole 32-bit range of pulses; beyond it, `8 t + 1` would not fit.
 const FARTHEST: u64 = (u64::MAX - 1) / 8;
 
@@ -16,7 +18,7 @@ pub(super) fn stoppable(wanted: u64, remaining: u64, deceleration: u64) -> u64 {
     let remaining = remaining.min(FARTHEST);
     // The series has q + 1 terms, where q is the largest with d q (q + 1) / 2 <= remaining.
     let ratio = remaining / deceleration;
-    let q = ((8 * ratio + 1).isqrt() - 1) / 2;
+    let q = (u64::from(whole_root(8 * ratio + 1)) - 1) / 2;
     let fastest = (remaining + q * (q + 1) / 2 * deceleration) / (q + 1);
     fastest.min(wanted)
 }

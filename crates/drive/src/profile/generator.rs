@@ -162,7 +162,8 @@ impl Generator {
 
     fn step_to_stop(&mut self, deceleration: Acceleration) -> Progress {
         self.position = self.position.wrapped();
-        if self.is_standing() {
+        let past_pulse = self.position.sub_pulses().rem_euclid(SUB_PULSES_PER_PULSE);
+        if self.velocity == Speed::ZERO && past_pulse == 0 {
             return Progress::Reached;
         }
         let speed = self.velocity.sub_pulses_per_tick().unsigned_abs();
@@ -175,7 +176,6 @@ impl Generator {
             ramp,
             brake: deceleration,
         };
-        let past_pulse = self.position.sub_pulses().rem_euclid(SUB_PULSES_PER_PULSE);
         // At rest between two pulses the nearer one is the place to stand.
         let heading = match self.velocity.sub_pulses_per_tick().signum() {
             0 if past_pulse > SUB_PULSES_PER_PULSE / 2 => 1,
@@ -184,7 +184,7 @@ impl Generator {
         };
         match stopping_distance(speed, deceleration.per_tick() as u64) {
             Some(distance) => {
-                let stop_at = past_pulse * heading + (distance % SUB_PULSES_PER_PULSE as u64) as i64;
+                let stop_at = past_pulse * heading + distance as i64;
                 let to_pulse = (-stop_at).rem_euclid(SUB_PULSES_PER_PULSE) as u64;
                 self.travel(heading, limits, distance + to_pulse);
             }

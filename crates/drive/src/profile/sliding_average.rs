@@ -69,8 +69,9 @@ impl SlidingAverage {
         self.sum += newest - oldest;
         let length = self.length as i64;
         let total = self.remainder + self.sum;
-        self.remainder = total.rem_euclid(length);
-        Speed::from_sub_pulses_per_tick(total.div_euclid(length))
+        let quotient = total.div_euclid(length);
+        self.remainder = total - quotient * length;
+        Speed::from_sub_pulses_per_tick(quotient)
     }
 
     /// Whether everything that went in has come out.
