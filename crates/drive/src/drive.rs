@@ -198,6 +198,11 @@ impl Drive {
         self.current.is_locked()
     }
 
+    /// Whether the motor's windings are being identified.
+    pub const fn is_identifying(&self) -> bool {
+        self.commissioning.is_running()
+    }
+
     /// The motor's windings as identified in the last identification since power-up.
     pub const fn winding(&self) -> Option<Winding> {
         self.commissioning.winding()
@@ -254,6 +259,7 @@ impl Drive {
             currents: sensors.phase_currents.map(ampere),
             phases: Phases::from_object(objects.motor_type),
             due: self.vector.filter(|_| !self.commissioning.is_running()),
+            operating: f32::from(objects.peak_current) * 1e-3,
             supply: sensors.bus_voltage.0 as f32 * 1e-3,
             // The gain is the inductance in microhenry (0x200B:02).
             inductance: f32::from(objects.current_loop_kp) * 1e-6,
