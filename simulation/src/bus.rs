@@ -1,6 +1,7 @@
 //! The wire between master and drive, and the time that passes on it.
 
 use board::TICK;
+use plant::PlantConfig;
 use raw_master::Datagram;
 use usr2556e::cables::Change;
 use usr2556e::drive::{DriveConfig, VirtualDrive};
@@ -18,10 +19,14 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// A new drive, just switched on.
-    pub fn new() -> Self {
+    /// A new drive in its machine, just switched on.
+    pub fn new(machine: PlantConfig) -> Self {
+        let drive = DriveConfig {
+            plant: machine,
+            ..DriveConfig::numbered(0)
+        };
         Self {
-            segment: VirtualSegment::new([DriveConfig::numbered(0)]),
+            segment: VirtualSegment::new([drive]),
             now: Nanos(0),
             cut: false,
         }
@@ -78,11 +83,5 @@ impl Bus {
     pub fn tick(&mut self) {
         self.now = Nanos((self.now.0 / TICK.0 + 1) * TICK.0);
         self.segment.catch_up(self.now);
-    }
-}
-
-impl Default for Bus {
-    fn default() -> Self {
-        Self::new()
     }
 }

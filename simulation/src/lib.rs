@@ -4,7 +4,9 @@
 //! |---|---|
 //! | [`random`] | chance from a seed |
 //! | [`bus`] | the wire with one whole virtual drive at its end, and time |
-//! | [`master`] | a master: states, mailbox, process data |
+//! | [`machine`] | the motor, its load and its supply |
+//! | [`master`] | a master: states, process data |
+//! | `mailbox` | its mailbox: SDO and files |
 //! | [`acts`] | what it does: sense and nonsense |
 //! | [`invariants`] | what must hold in every tick |
 //! | [`coverage`] | what was visited |
@@ -18,6 +20,8 @@ pub mod campaign;
 pub mod coverage;
 pub mod invariants;
 pub mod journal;
+pub mod machine;
+mod mailbox;
 pub mod master;
 pub mod random;
 
@@ -30,6 +34,7 @@ use coverage::Coverage;
 use invariants::{Invariants, Verdict};
 use journal::Journal;
 use master::Master;
+use plant::PlantConfig;
 use random::Random;
 
 /// A drive, its master and all that is known of them.
@@ -42,6 +47,9 @@ pub struct Simulation {
     journal: Journal,
     /// What the next power-on must find.
     kept: acts::parameters::Kept,
+    machine: PlantConfig,
+    /// Whether the drive has been told what motor it has.
+    commissioned: bool,
 }
 
 /// Something that must not be.
@@ -70,14 +78,17 @@ impl fmt::Display for Failure {
 impl Simulation {
     /// A new drive and the master of a seed.
     pub fn new(seed: u64) -> Self {
+        let machine = machine::of(seed);
         Self {
-            bus: Bus::new(),
+            bus: Bus::new(machine),
             random: Random::new(seed),
             master: Master::default(),
             invariants: Invariants::default(),
             coverage: Coverage::default(),
             journal: Journal::default(),
             kept: acts::parameters::Kept::default(),
+            machine,
+            commissioned: false,
         }
     }
 

@@ -8,19 +8,15 @@ use wire::frame::{self, Command};
 use wire::register as reg;
 
 use crate::Simulation;
-use crate::acts::parameters::slot;
 use crate::invariants::{Verdict, must};
 
-const MAILBOX_OUT: u16 = 0x1000;
-const MAILBOX_IN: u16 = 0x1080;
-const MAILBOX: u16 = 0x80;
+/// Where the mailboxes are, and their length.
+pub(crate) const MAILBOX_OUT: u16 = 0x1000;
+pub(crate) const MAILBOX_IN: u16 = 0x1080;
+pub(crate) const MAILBOX: u16 = 0x80;
 const OUTPUTS: u16 = 0x1100;
 const INPUTS: u16 = 0x1400;
 const ALIAS: u16 = 0x2150;
-/// Bit of a sync manager's status: the mailbox is full.
-const FULL: u8 = 1 << 3;
-/// Messages that may lie before an answer: emergencies.
-const MOST_MESSAGES: usize = 12;
 
 /// What the master keeps of its drive.
 #[derive(Clone, Debug)]
@@ -41,7 +37,8 @@ pub struct Master {
     pub clocks: bool,
     /// Whether the sync managers of the process data have been set up since power-on: without them their memory is open to everybody.
     pub set_up: bool,
-    counter: u8,
+    /// Of mailbox messages.
+    pub(crate) counter: u8,
 }
 
 /// What the master commands, by process data if mapped, else by SDO.
@@ -250,95 +247,5 @@ impl Simulation {
             .map(|mapping| ((mapping >> 16) as u16, (mapping >> 8) as u8));
         let places = places.filter(|(index, _)| *index != ALIAS);
         places.map(|(index, sub)| self.present(index, sub)).collect()
-    }
-
-    /// What lies in the master's mailbox.
-    fn receive(&mut self) -> Option<Vec<u8>> {
-        let status = self.read(reg::SM + reg::SM_SIZE + 5, 1)?;
-        if status[0] & FULL == 0 {
-            return None;
-        }
-        self.read(MAILBOX_IN, MAILBOX.into())
-    }
-
-    /// Sends an SDO request. Returns the response's bytes from the command on, or the abort code; nothing if there is no cable or
-    /// no mailbox.
-    pub(crate) fn sdo(&mut self, request: &[u8]) -> Result<Option<Result<Vec<u8>, u32>>, String> {
-        const SDO: [u8; 2] = [2, 3];
-        const ABORT: u8 = 0x80;
-        let mut drained = 0;
-        while drained < MOST_MESSAGES && self.receive().is_some() {
-            drained += 1;
-        }
-        self.master.counter = self.master.counter % 7 + 1;
-        let length = (request.len() + 2) as u8;
-        let mut message = vec![length, 0, 0, 0, 0, self.master.counter << 4 | 3, 0, 0x20];
-        message.extend_from_slice(request);
-        message.resize(MAILBOX.into(), 0);
-        let owed = self.bus.is_connected() && self.al_state() != AlState::Init;
-        let sent = self.write(MAILBOX_OUT, &message);
-        must(sent || !owed, || "the mailbox takes no request".into())?;
-        if !sent {
-            return Ok(None);
-        }
-        for _ in 0..MOST_MESSAGES {
-            let Some(answer) = self.receive() else { break };
-            if answer[5] & 0x0F != 3 || !SDO.contains(&(answer[7] >> 4)) {
-                continue;
-            }
-            let code = u32::from_le_bytes([answer[12], answer[13], answer[14], answer[15]]);
-            return Ok(Some(if answer[8] == ABORT { Err(code) } else { Ok(answer[8..].to_vec()) }));
-        }
-        must(!owed, || format!("no answer to SDO request {request:02X?}"))?;
-        Ok(None)
-    }
-
-    /// Writes bytes of any number up to eight to an object. Nothing if there is no cable or no mailbox.
-    pub(crate) fn download_bytes(&mut self, index: u16, sub: u8, value: &[u8]) -> Result<Option<Result<(), u32>>, String> {
-        let [low, high] = index.to_le_bytes();
-        let mut request;
-        if (1..=4).contains(&value.len()) {
-            request = vec![0x23 | (4 - value.len() as u8) << 2, low, high, sub];
-            request.extend_from_slice(value);
-            request.resize(8, 0);
-        } else {
-            request = vec![0x21, low, high, sub, value.len() as u8, 0, 0, 0];
-            request.extend_from_slice(value);
-        }
-        let writes = self.bus.drive().memory().writes();
-        let answer = self.sdo(&request)?;
-        self.follow_memory(index, sub, writes, answer.as_ref().map(Result::is_ok))?;
-        match &answer {
-            Some(Ok(_)) => self.coverage.count("SDO taken"),
-            Some(Err(_)) => self.coverage.count("SDO refused"),
-            None => {}
-        }
-        Ok(answer.map(|answer| answer.map(|_| ())))
-    }
-
-    /// Writes a value that fits the object, and returns whether it was taken.
-    pub(crate) fn download(&mut self, index: u16, sub: u8, value: i64) -> Result<bool, String> {
-        let size = size_of_object(index, sub);
-        let answer = self.download_bytes(index, sub, &value.to_le_bytes()[..size])?;
-        Ok(answer == Some(Ok(())))
-    }
-
-    /// Reads an object of up to four bytes.
-    pub(crate) fn upload(&mut self, index: u16, sub: u8) -> Result<Option<Vec<u8>>, String> {
-        let [low, high] = index.to_le_bytes();
-        let Some(Ok(response)) = self.sdo(&[0x40, low, high, sub, 0, 0, 0, 0])? else {
-            return Ok(None);
-        };
-        Ok(Some(response[4..8 - usize::from(response[0] >> 2 & 3)].to_vec()))
-    }
-}
-
-/// Bytes of an object: of the drive's by its table, of the slave stack's by what this master writes.
-pub(crate) fn size_of_object(index: u16, sub: u8) -> usize {
-    match (slot(index, sub), index, sub) {
-        (Some(slot), ..) => DriveObjects::ENTRIES[slot].size(),
-        (None, 0x1600..=0x1AFF, 1..) => 4,
-        (None, 0x1600..=0x1AFF | 0x1C12 | 0x1C13, 0) => 1,
-        _ => 2,
     }
 }

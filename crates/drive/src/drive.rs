@@ -198,6 +198,11 @@ impl Drive {
         self.current.is_locked()
     }
 
+    /// Whether the motor's windings are being identified.
+    pub const fn is_identifying(&self) -> bool {
+        self.commissioning.is_running()
+    }
+
     /// The motor's windings as identified in the last identification since power-up.
     pub const fn winding(&self) -> Option<Winding> {
         self.commissioning.winding()

@@ -21,8 +21,9 @@ const OVERCURRENT_TICKS: u8 = 2;
 const NOTHING: (f32, f32) = (0.03, 0.015);
 /// A phase is to carry something that is to carry this many times as much.
 const SOMETHING: f32 = 2.0;
-/// The commanded current of a phase that carries nothing, added up, that is a lost phase: the amplitude for 2.5 ms, in ticks. At a
-/// twentieth of a turn a second that takes 27 ms where the phase is lost just before its current passes zero.
+/// The commanded current of a phase that carries nothing, added up, that is a lost phase: the operating current for 2.5 ms, in ticks. At a
+/// twentieth of a turn a second that takes 27 ms where the phase is lost just before its current passes zero. While the current rises from
+/// nothing, as in the shaft lock, the back-EMF of a shaft that a load turns may hold a whole winding at nothing for as long.
 const MISSING: f32 = 2.5e-3 * TICKS_PER_SECOND as f32;
 /// The current that the supply can drive through the winding at the present speed has to be this many times what counts as nothing.
 const REACH: f32 = 4.0;
@@ -36,6 +37,8 @@ pub struct View {
     pub phases: Phases,
     /// The vector that these currents follow; none while something else than the current loop drives.
     pub due: Option<CurrentVector>,
+    /// The operating current in ampere (0x2000).
+    pub operating: f32,
     /// The supply in volt.
     pub supply: f32,
     /// Inductance of a winding in henry, roughly.
@@ -53,6 +56,7 @@ impl View {
             currents: sensors.phase_currents.map(ampere),
             phases: Phases::from_object(objects.motor_type),
             due,
+            operating: f32::from(objects.peak_current) * 1e-3,
             supply: sensors.bus_voltage.0 as f32 * 1e-3,
             // The gain is the inductance in microhenry.
             inductance: f32::from(objects.current_loop_kp) * 1e-6,
@@ -66,7 +70,7 @@ impl View {
 #[derive(Clone, Debug, Default)]
 pub struct Protection {
     overcurrent_ticks: u8,
-    /// For each phase, the commanded current since it last carried one, in ticks of the amplitude.
+    /// For each phase, the commanded current since it last carried one, in ticks of the operating current.
     missing: [f32; 3],
     angle: Option<ElectricalAngle>,
 }
@@ -121,7 +125,7 @@ impl Protection {
             if !idle {
                 *missing = 0.0;
             } else if wanted > SOMETHING * nothing && in_reach {
-                *missing += wanted / amplitude;
+                *missing += wanted / view.operating;
             }
         }
         let lost = self.missing.iter().any(|missing| *missing > MISSING);
@@ -159,6 +163,7 @@ mod tests {
                 angle,
                 amplitude: Milliamps(3_000),
             }),
+            operating: 3.0,
             supply: 24.0,
             inductance: 2.5e-3,
             harmonic: 0.0,
@@ -188,13 +193,11 @@ mod tests {
     }
 
     #[test]
-    fn a_phase_is_lost_after_2_and_a_half_ms_of_the_amplitude_unless_the_mask_says_no() {
+    fn a_phase_is_lost_after_2_and_a_half_ms_of_the_operating_current_unless_the_mask_says_no() {
         for (degrees, open) in [(0.0, [true, false]), (90.0, [false, true])] {
             let mut protection = Protection::default();
-            for tick in 0..50 {
-                assert_eq!(protection.tick(&view(degrees, Phases::Two, open)), None, "{tick}");
-            }
-            assert_eq!(protection.tick(&view(degrees, Phases::Two, open)), Some(Fault::PhaseLoss));
+            let lost = (1..100).find(|_| protection.tick(&view(degrees, Phases::Two, open)) == Some(Fault::PhaseLoss));
+            assert!(matches!(lost, Some(50 | 51)), "{lost:?}");
             for _ in 0..1_000 {
                 let masked = View {
                     phase_loss: false,
@@ -202,6 +205,22 @@ mod tests {
                 };
                 assert_eq!(protection.tick(&masked), None);
             }
+        }
+    }
+
+    #[test]
+    fn a_phase_without_current_while_the_shaft_lock_begins_is_not_lost_so_soon_as_in_operation() {
+        let mut protection = Protection::default();
+        for tick in 0..100 {
+            // A back-EMF holds the current at nothing while a ramp of 50 ms begins.
+            let rising = View {
+                due: Some(CurrentVector {
+                    angle: ElectricalAngle(1 << 30),
+                    amplitude: Milliamps(3 * tick),
+                }),
+                ..view(90.0, Phases::Two, [false, true])
+            };
+            assert_eq!(protection.tick(&rising), None, "{tick}");
         }
     }
 
@@ -222,7 +241,7 @@ mod tests {
             ..view(0.0, Phases::Three, [false; 2])
         };
         let ticks = (1..).find(|_| protection.tick(&open).is_some());
-        assert_eq!(ticks, Some(101));
+        assert!(matches!(ticks, Some(100 | 101)), "{ticks:?}");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use wire::register as reg;
 
 use crate::Simulation;
 use crate::invariants::{Verdict, must};
-use crate::master::size_of_object;
+use crate::mailbox::size_of_object;
 
 /// Objects that the master commands, in the order in which it downloads those that are not mapped.
 const COMMANDED: [u16; 7] = [0x6081, 0x6083, 0x6084, 0x60FF, 0x607A, 0x6060, 0x6040];
@@ -161,6 +161,9 @@ impl Simulation {
         if self.al_state() != AlState::Op {
             self.begin_anew()?;
         }
+        if !self.commissioned {
+            self.commission()?;
+        }
         if !self.enable()? {
             self.restore_order()?;
             self.begin_anew()?;
@@ -172,7 +175,7 @@ impl Simulation {
         Ok(self.objects().mode_display == mode)
     }
 
-    fn enable(&mut self) -> Result<bool, String> {
+    pub(crate) fn enable(&mut self) -> Result<bool, String> {
         for _ in 0..40 {
             self.master.commands.controlword = match self.bus.drive().device().drive().power_state() {
                 PowerState::OperationEnabled => return Ok(true),
@@ -204,6 +207,6 @@ impl Simulation {
         self.master.commands.speed = 10_000;
         self.master.commands.acceleration = 100_000;
         self.master.commands.deceleration = 100_000;
-        Ok(())
+        self.commission()
     }
 }

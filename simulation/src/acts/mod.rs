@@ -4,15 +4,23 @@
 //! |---|---|
 //! | [`bring_up`] | states, mapping, enabling |
 //! | [`motions`] | set-points, speeds, cyclic targets, homing, probes |
+//! | [`commissioning`] | what the drive is told of its motor |
+//! | [`breakdowns`] | what breaks, and is mended |
 //! | [`nonsense`] | any controlword, any download, any request |
 //! | [`surroundings`] | inputs, supply, cable, axis, power |
+//! | [`files`] | backups of the parameters, and the event log |
+//! | [`transfers`] | segments and complete access |
 //! | [`parameters`] | saved parameters and what the next power-on must find |
 
+pub mod breakdowns;
 pub mod bring_up;
+pub mod commissioning;
+pub mod files;
 pub mod motions;
 pub mod nonsense;
 pub mod parameters;
 pub mod surroundings;
+pub mod transfers;
 
 use crate::Simulation;
 use crate::invariants::Verdict;
@@ -41,6 +49,14 @@ const ACTS: &[(u64, Act)] = &[
     (2, Simulation::lose_frames),
     (2, Simulation::push_axis),
     (2, Simulation::cycle_power),
+    (1, Simulation::reset_controller),
+    (2, Simulation::back_up),
+    (1, Simulation::read_event_log),
+    (2, Simulation::download_segments),
+    (2, Simulation::access_completely),
+    (5, Simulation::break_down),
+    (3, Simulation::tune_current_loop),
+    (1, Simulation::mistake_the_motor),
     (2, Simulation::read_objects),
     (2, Simulation::stand_idle),
 ];

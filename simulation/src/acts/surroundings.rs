@@ -1,17 +1,24 @@
 //! Inputs, supply, cable, axis, power.
 
 use board::{InputLevels, Millivolts};
-use plant::Turns;
+use plant::{Faults, Turns};
+use wire::register as reg;
 
 use crate::Simulation;
 use crate::invariants::Verdict;
 
-/// The supply of the simulated machine.
-const SUPPLY: Millivolts = Millivolts(36_000);
-
 impl Simulation {
     pub(crate) fn set_inputs(&mut self, levels: u8) {
         self.bus.drive_mut().plant_mut().hold_inputs(InputLevels(levels));
+    }
+
+    fn set_supply(&mut self, supply: Millivolts) {
+        self.bus.drive_mut().plant_mut().set_supply(supply);
+    }
+
+    pub(crate) fn set_faults(&mut self, faults: Faults) {
+        self.bus.drive_mut().plant_mut().set_faults(faults);
+        self.invariants.axis_moved_by_hand();
     }
 
     pub(crate) fn place_axis(&mut self, place: Turns) {
@@ -21,7 +28,8 @@ impl Simulation {
 
     pub(crate) fn release_surroundings(&mut self) {
         self.set_inputs(0);
-        self.bus.drive_mut().plant_mut().set_supply(SUPPLY);
+        self.set_supply(self.machine.supply);
+        self.set_faults(Faults::default());
         self.bus.set_connected(true);
         self.master.loss = 0;
     }
@@ -51,9 +59,9 @@ impl Simulation {
     pub(crate) fn disturb_supply(&mut self) -> Verdict {
         let supply = Millivolts(self.random.within(0, 70_000) as i32);
         self.note(|| format!("supply of {} mV", supply.0));
-        self.bus.drive_mut().plant_mut().set_supply(supply);
+        self.set_supply(supply);
         self.pause(100)?;
-        self.bus.drive_mut().plant_mut().set_supply(SUPPLY);
+        self.set_supply(self.machine.supply);
         Ok(())
     }
 
@@ -82,9 +90,29 @@ impl Simulation {
         self.note(|| "power cycle".into());
         self.coverage.count("power cycle");
         self.bus.drive_mut().power_cycle();
+        self.follow_restart()?;
+        self.milliseconds(3)
+    }
+
+    /// The slave controller reset by three letters, which restarts the drive as power-on does.
+    pub(crate) fn reset_controller(&mut self) -> Verdict {
+        self.note(|| "reset of the slave controller".into());
+        let mut taken = true;
+        for letter in b"RES" {
+            taken &= self.write(reg::RESET, &[*letter]);
+        }
+        if taken {
+            self.coverage.count("reset of the slave controller");
+            self.follow_restart()?;
+        }
+        self.milliseconds(3)
+    }
+
+    /// What is known of a drive that has just begun anew.
+    fn follow_restart(&mut self) -> Verdict {
         self.invariants.power_cycled();
         self.master.set_up = false;
-        self.check_parameters()?;
-        self.milliseconds(3)
+        self.commissioned = self.random.chance(10);
+        self.check_parameters()
     }
 }

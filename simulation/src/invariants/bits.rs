@@ -85,7 +85,7 @@ fn mode_bits(view: &View) -> Verdict {
     let (reached, twelve, thirteen) = (view.status(10), view.status(12), view.status(13));
     let standing = !view.is_moving();
     let holds = match (view.state, view.mode) {
-        (PowerState::OperationEnabled, _) if !view.is_powered() => !twelve && !thirteen && !reached,
+        (PowerState::OperationEnabled, _) if view.signals.offline => !twelve && !thirteen && !reached,
         (PowerState::OperationEnabled, Some(Mode::ProfilePosition)) => !thirteen && (!reached || standing),
         (PowerState::OperationEnabled, Some(Mode::ProfileVelocity)) => !thirteen,
         (PowerState::OperationEnabled, Some(Mode::Homing)) => !(twelve && thirteen) && (!reached || standing),

@@ -4,27 +4,39 @@
 //! |---|---|
 //! | [`power`] | the power state machine: transitions, power stage, enabling |
 //! | [`bits`] | statusword, status code, fault codes, mode display, outputs |
+//! | [`alarms`] | faults: none without a cause, and none missing |
+//! | [`windings`] | duties, voltages, currents |
+//! | [`identification`] | how long the motor is identified, and how often |
+//! | [`energy`] | bus voltage and where the energy goes |
 //! | [`motion`] | field, position counter, speed and acceleration |
 //! | [`limits`] | how far a motion goes past a limit switch |
 //! | [`inputs`] | filter, polarity and functions of the inputs |
 //! | [`probes`] | touch probes |
 //! | [`ranges`] | values of objects |
 
+pub mod alarms;
 pub mod bits;
+pub mod energy;
+pub mod identification;
 pub mod inputs;
 pub mod limits;
 pub mod motion;
 pub mod power;
 pub mod probes;
 pub mod ranges;
+pub mod windings;
 
 use board::{Actuators, PowerStage, Sensors};
 use drive::inputs::Signals;
 use drive::{DriveObjects, Mode, PowerState};
+use plant::Plant;
 use usr2556e::drive::VirtualDrive;
 use wire::al::AlState;
 
 use crate::coverage::Coverage;
+
+/// A control tick in seconds.
+pub const TICK: f64 = 50e-6;
 
 /// Nothing, or what is wrong.
 pub type Verdict = Result<(), String>;
@@ -57,6 +69,11 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
+    /// What hangs on the drive's terminals, after the tick.
+    pub fn plant(&self) -> &Plant {
+        self.drive.plant()
+    }
+
     /// Whether the power stage is on.
     pub fn is_powered(&self) -> bool {
         self.actuators.stage != PowerStage::Off
@@ -91,6 +108,10 @@ pub struct Invariants {
     inputs: inputs::Inputs,
     probes: probes::Probes,
     ranges: ranges::Ranges,
+    alarms: alarms::Alarms,
+    windings: windings::Windings,
+    identification: identification::Identification,
+    energy: energy::Energy,
 }
 
 impl Invariants {
@@ -120,6 +141,10 @@ impl Invariants {
         self.motion.tick(&view, coverage)?;
         self.limits.tick(&view, coverage)?;
         self.probes.tick(&view, coverage)?;
+        self.alarms.tick(&view)?;
+        self.windings.tick(&view)?;
+        self.identification.tick(&view, coverage)?;
+        self.energy.tick(&view)?;
         self.ranges.tick(&view)
     }
 

@@ -6,6 +6,9 @@ use drive::PowerState::{
 
 use super::{Verdict, View, must};
 
+/// Ticks without current after power-on until the offsets of the current sensors are known: a mean of 40, which may have begun before them.
+const OFFSETS: u32 = 80;
+
 /// The transitions of the standard; that into Fault Reaction Active leads from everywhere but Fault.
 const TRANSITIONS: [(PowerState, PowerState); 15] = [
     (NotReadyToSwitchOn, SwitchOnDisabled),
@@ -30,6 +33,12 @@ const TRANSITIONS: [(PowerState, PowerState); 15] = [
 pub struct Power {
     /// Whether there was a fault, a quick stop or an emergency stop since power-on, after which an enable command alone does not enable.
     stopped: bool,
+    /// Whether the power stage was on since power-on.
+    driven: bool,
+    /// Ticks without current in the windings.
+    calm: u32,
+    /// Whether the power stage was off in Operation Enabled, because of a fault that the drive has just met.
+    gave_up: bool,
 }
 
 impl Power {
@@ -56,8 +65,17 @@ impl Power {
         })?;
         let may_drive = matches!(after, OperationEnabled | QuickStopActive | FaultReactionActive) && !view.signals.offline;
         must(may_drive || !view.is_powered(), || format!("power stage on in {}", after.name()))?;
-        let must_drive = after == OperationEnabled && !view.signals.offline;
-        must(!must_drive || view.is_powered(), || "power stage off in Operation Enabled".into())
+        self.driven |= view.is_powered();
+        self.calm = if view.plant().motor().currents == [0.0; 2] {
+            self.calm + 1
+        } else {
+            0
+        };
+        let knows_offsets = self.driven || self.calm > OFFSETS;
+        let gives_up = after == OperationEnabled && !view.signals.offline && knows_offsets && !view.is_powered();
+        must(!(gives_up && self.gave_up), || "power stage off in Operation Enabled".into())?;
+        self.gave_up = gives_up;
+        Ok(())
     }
 
     fn check_enabling(&self, before: PowerState, after: PowerState, controlword: u16) -> Verdict {
