@@ -1,7 +1,7 @@
 //! What drives do: for each mode and each kind of surprise, a run of the firmware core with everything on.
 
 use board::{Millivolts, Nanos};
-use plant::{PlantConfig, Travel, Turns};
+use plant::{PlantConfig, Travel, Turns, motors};
 use usr2556e::master::process_data::controlword::{CHANGE_ON_SET_POINT, ENABLE_OPERATION, FAULT_RESET, HALT, IMMEDIATELY, RELATIVE, START};
 use usr2556e::master::process_data::statusword::{ACKNOWLEDGE, HOMING_ERROR, TARGET_REACHED};
 use usr2556e::master::process_data::{mode, towards_enabled};
@@ -58,7 +58,14 @@ pub const SCENARIOS: &[Scenario] = &[
         ticks: 3000,
         begin: || Core::new(axis()),
         before_tick: power_up,
-        succeeded: Core::is_ready,
+        succeeded: is_known,
+    },
+    Scenario {
+        name: "three phases, power-up and PP",
+        ticks: 6000,
+        begin: || Core::new(three_phase_axis()),
+        before_tick: three_phases,
+        succeeded: |core| is_known(core) && has_latched(core),
     },
     Scenario {
         name: "standing, parameters changing",
@@ -83,7 +90,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "CSP, 1 ms",
-        ticks: 2000,
+        ticks: 4000,
         begin: || enabled(mode::CYCLIC_POSITION),
         before_tick: cyclic_1_ms,
         succeeded: follows,
@@ -114,7 +121,7 @@ pub const SCENARIOS: &[Scenario] = &[
         ticks: 3600,
         begin: || enabled(mode::PROFILE_VELOCITY),
         before_tick: changing_modes,
-        succeeded: Core::is_ready,
+        succeeded: |core| core.is_ready() && is_in_step(core),
     },
     Scenario {
         name: "faults and stops",
@@ -132,17 +139,28 @@ pub const SCENARIOS: &[Scenario] = &[
     },
 ];
 
-/// All four edges of the probes.
+/// The drive has identified its motor and is enabled.
+fn is_known(core: &Core) -> bool {
+    core.is_ready() && core.drive.winding().is_some()
+}
+
+/// All four edges of the probes, by a shaft that has followed.
 fn has_latched(core: &Core) -> bool {
     let objects = &core.objects;
-    [
+    let counts = [
         objects.probe_1_positive_count,
         objects.probe_1_negative_count,
         objects.probe_2_positive_count,
         objects.probe_2_negative_count,
-    ]
-    .iter()
-    .all(|count| *count > 0)
+    ];
+    counts.iter().all(|count| *count > 0) && is_in_step(core)
+}
+
+/// The shaft is where the drive's counter says, within half an electrical period.
+fn is_in_step(core: &Core) -> bool {
+    const HALF_A_PERIOD: f64 = 0.5 / board::ELECTRICAL_PERIODS_PER_TURN as f64;
+    let counter = f64::from(core.objects.position) / f64::from(core.objects.resolution);
+    (core.plant.shaft().0 - counter).abs() < HALF_A_PERIOD
 }
 
 /// CSP leads, and the drive is not further behind than filter and interpolation explain.
@@ -172,8 +190,16 @@ fn axis() -> PlantConfig {
         ..PlantConfig::default()
     };
     config.flags[0] = Some((Turns(0.05), Turns(0.4)));
-    config.flags[1] = Some((Turns(-0.1), Turns(0.3)));
+    config.flags[1] = Some((Turns(-0.1), Turns(0.1)));
     config
+}
+
+/// The same axis with a motor of three phases.
+fn three_phase_axis() -> PlantConfig {
+    PlantConfig {
+        motor: motors::THREE_PHASE_57,
+        ..axis()
+    }
 }
 
 fn enabled(mode: i8) -> Core {
@@ -245,12 +271,13 @@ fn profile_velocity(core: &mut Core, tick: u32) {
     };
 }
 
-/// Positions of an axis that swings to and fro within 100 ms, by up to 0.6 turns: parabolas, which need no float function.
+/// Positions of an axis that swings to and fro within 100 ms, by up to 0.2 turns and 16 turns a second: parabolas, which need no float
+/// function.
 fn swing(tick: u32) -> i32 {
     const HALF: u32 = 1000;
     let (half, at) = (tick / HALF, i64::from(tick % HALF));
     let length = i64::from(HALF);
-    let height = 6000 * 4 * at * (length - at) / (length * length);
+    let height = 2000 * 4 * at * (length - at) / (length * length);
     (if half.is_multiple_of(2) { height } else { -height }) as i32
 }
 
@@ -296,7 +323,8 @@ fn start_once(core: &mut Core, _: u32) {
     core.objects.controlword = ENABLE_OPERATION | START;
 }
 
-/// PV, PP, CSP and homing in turn, each for 15 ms and none at rest when the next one begins.
+/// PV, PP, CSP and homing in turn, each for 15 ms and none at rest when the next one begins. Targets lie as far ahead as the mode wants
+/// them: in CSP a cycle's way, else further than the axis gets.
 fn changing_modes(core: &mut Core, tick: u32) {
     const MODES: [i8; 4] = [mode::PROFILE_VELOCITY, mode::PROFILE_POSITION, mode::CYCLIC_POSITION, mode::HOMING];
     if !tick.is_multiple_of(MILLISECOND) {
@@ -310,7 +338,12 @@ fn changing_modes(core: &mut Core, tick: u32) {
     objects.target_velocity = 120_000;
     objects.homing_method = 27;
     objects.mode = MODES[number % MODES.len()];
-    objects.target_position = objects.position.wrapping_add(4 * swing(tick));
+    let way = if objects.mode == mode::CYCLIC_POSITION {
+        swing(tick) / 20
+    } else {
+        4 * swing(tick)
+    };
+    objects.target_position = objects.position.wrapping_add(way);
     objects.controlword = match (tick / MILLISECOND).is_multiple_of(2) {
         true => ENABLE_OPERATION,
         false => ENABLE_OPERATION | START | IMMEDIATELY,
@@ -343,16 +376,34 @@ fn faults(core: &mut Core, tick: u32) {
     };
 }
 
-/// Inputs without filter: three of probe 1 and three of probe 2.
 fn all_inputs_ready() -> Core {
     let mut core = enabled(mode::PROFILE_POSITION);
+    unfilter(&mut core);
+    core
+}
+
+/// Inputs without filter: three of probe 1 and three of probe 2.
+fn unfilter(core: &mut Core) {
     let objects = &mut core.objects;
     objects.input_filter = 0;
     objects.input_3_function = 7;
     objects.input_4_function = 8;
     objects.input_5_function = 7;
     objects.input_6_function = 8;
-    core
+}
+
+/// From power-up, as soon as that is over, as [`all_inputs`].
+fn three_phases(core: &mut Core, tick: u32) {
+    if tick == 0 {
+        core.objects.motor_type = 1;
+        core.objects.peak_current = 5600;
+    }
+    if core.is_ready() {
+        unfilter(core);
+        all_inputs(core, tick);
+    } else {
+        power_up(core, tick);
+    }
 }
 
 /// All inputs change in the same tick, every other tick, while the axis follows set-points.
