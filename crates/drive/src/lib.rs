@@ -24,6 +24,7 @@
 //! | [`statusword`] | 0x6041 |
 //! | `root` | square roots |
 //! | [`alarm`] | the alarm LED |
+//! | `write_checks` | what may not be written at present |
 //!
 //! Nothing here reads a clock, blocks or fails: a tick takes bounded time, and whatever a master writes has a defined effect.
 #![no_std]
@@ -50,6 +51,7 @@ mod protection;
 mod root;
 pub mod statusword;
 mod touch_probe;
+mod write_checks;
 
 pub use alarm::{Alarm, Light};
 pub use drive::Drive;
