@@ -91,6 +91,13 @@ impl Commissioning {
         matches!(self.progress, Progress::Running(_))
     }
 
+    /// Whether a motor that is enabled has no current yet, as the offsets of the sensors are not known: 2 ms after power-on, or longer while
+    /// somebody turns the shaft so fast that the diodes conduct.
+    pub fn awaits_offsets(&self, objects: &DriveObjects) -> bool {
+        let identifies = objects.auto_pi != 0 && !self.known && matches!(self.progress, Progress::Ahead);
+        identifies && !self.zero.is_known()
+    }
+
     /// What the sensors read but for their offsets.
     pub fn corrected(&self, sensors: &Sensors) -> Sensors {
         Sensors {

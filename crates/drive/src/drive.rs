@@ -229,7 +229,10 @@ impl Drive {
 
     /// Moves the commanded position on and returns the mode's bits of the statusword.
     fn act(&mut self, activity: Activity, controlword: Controlword, objects: &DriveObjects) -> u16 {
-        let start = self.power.state() == PowerState::OperationEnabled && self.start_edge.take();
+        // A motor without current cannot follow.
+        let waits = activity == Activity::Operate && self.commissioning.awaits_offsets(objects);
+        let activity = if waits { Activity::Off } else { activity };
+        let start = !waits && self.power.state() == PowerState::OperationEnabled && self.start_edge.take();
         if activity != Activity::Operate {
             self.modes.interrupt();
         }

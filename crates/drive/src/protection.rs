@@ -13,8 +13,8 @@ pub const PHASE_LOSS: u16 = 1 << 7;
 /// A current beyond this, in ampere, is a fault. A motor that has lost its step at high speed reaches more than twice its rated current
 /// by itself, up to 11.6 A of the motors in this class; the power stage's comparator, which is faster, trips there as well.
 pub const OVERCURRENT: f32 = 12.0;
-/// Consecutive samples that make a fault.
-const OVERCURRENT_TICKS: u8 = 2;
+/// Samples beyond it that make a fault, of as many in a row: the current of a loop that a short makes oscillate is beyond in every other one.
+const OVERCURRENT_SAMPLES: (u32, u8) = (2, 4);
 
 /// A phase carries nothing that carries less than this share of the commanded amplitude and these ampere, two to three steps of a
 /// converter of 12 bits over 12.8 A either way.
@@ -69,7 +69,8 @@ impl View {
 /// Looks after the currents while the power stage is on.
 #[derive(Clone, Debug, Default)]
 pub struct Protection {
-    overcurrent_ticks: u8,
+    /// Which of the last samples were beyond [`OVERCURRENT`], a bit each.
+    beyond: u8,
     /// For each phase, the commanded current since it last carried one, in ticks of the operating current.
     missing: [f32; 3],
     angle: Option<ElectricalAngle>,
@@ -89,11 +90,10 @@ impl Protection {
             Phases::Three => -first - second,
         };
         let currents = [first, second, third];
-        self.overcurrent_ticks = match currents.iter().any(|current| current.abs() > OVERCURRENT) {
-            true => self.overcurrent_ticks + 1,
-            false => 0,
-        };
-        if self.overcurrent_ticks >= OVERCURRENT_TICKS {
+        let (most, of) = OVERCURRENT_SAMPLES;
+        let beyond = currents.iter().any(|current| current.abs() > OVERCURRENT);
+        self.beyond = (self.beyond << 1 | u8::from(beyond)) & ((1 << of) - 1);
+        if self.beyond.count_ones() >= most {
             self.off();
             return Some(Fault::Overcurrent);
         }
@@ -172,19 +172,23 @@ mod tests {
     }
 
     #[test]
-    fn two_samples_beyond_12_a_are_an_overcurrent_in_any_phase_and_one_is_not() {
+    fn two_of_four_samples_beyond_12_a_are_an_overcurrent_in_any_phase_and_one_is_not() {
         let surge = |currents, phases| View {
             currents,
             due: None,
             ..view(0.0, phases, [false; 2])
         };
         for (currents, phases) in [([12.1, 0.0], Phases::Two), ([0.0, -12.1], Phases::Two), ([6.1, 6.1], Phases::Three)] {
-            let mut protection = Protection::default();
             let surge = surge(currents, phases);
-            assert_eq!(protection.tick(&surge), None);
-            assert_eq!(protection.tick(&view(0.0, phases, [false; 2])), None);
-            assert_eq!(protection.tick(&surge), None);
-            assert_eq!(protection.tick(&surge), Some(Fault::Overcurrent));
+            for between in 0..5 {
+                let mut protection = Protection::default();
+                assert_eq!(protection.tick(&surge), None);
+                for _ in 0..between {
+                    assert_eq!(protection.tick(&view(0.0, phases, [false; 2])), None);
+                }
+                let expected = (between < 3).then_some(Fault::Overcurrent);
+                assert_eq!(protection.tick(&surge), expected, "{between} samples between");
+            }
         }
         let mut protection = Protection::default();
         for _ in 0..10 {

@@ -2,7 +2,7 @@
 
 mod rig;
 
-use board::{Nanos, TICK};
+use board::{Milliamps, Nanos, PowerStage, TICK};
 use rig::{IN_NEGATIVE_LIMIT, IN_POSITIVE_LIMIT, Rig};
 
 const MILLISECOND: Nanos = Nanos(1_000_000);
@@ -302,4 +302,26 @@ fn targets_sent_before_enabling_or_in_another_mode_are_not_followed() {
     assert_eq!((rig.objects.position, rig.status(12)), (0, true));
     rig.cycle(7, MILLISECOND);
     assert_eq!(rig.objects.position, 7);
+}
+
+#[test]
+fn targets_do_not_count_while_the_motor_waits_for_its_first_current() {
+    let mut rig = Rig::new();
+    rig.objects.auto_pi = 1;
+    rig.objects.mode = 8;
+    rig.enable();
+    // Somebody turns the shaft so fast that the diodes conduct, and the offsets of the sensors stay unknown.
+    for n in 1..=1_000 {
+        rig.readings = Some([Milliamps(300 * (n % 2)), Milliamps(0)]);
+        rig.objects.target_position = n;
+        rig.drive.synchronize(&rig.objects, None);
+        rig.tick();
+        assert_eq!((rig.actuators.stage, rig.objects.position), (PowerStage::Off, 0));
+        assert!(!rig.drive.is_moving() && !rig.status(12));
+    }
+    rig.readings = Some([Milliamps(0); 2]);
+    rig.until("on", |rig| rig.actuators.stage != PowerStage::Off);
+    rig.cycle(1_000, MILLISECOND);
+    rig.cycle(1_010, MILLISECOND);
+    assert_eq!(rig.objects.position, 1_010);
 }

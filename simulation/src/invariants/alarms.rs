@@ -14,7 +14,7 @@ use crate::machine::motor_type;
 /// Bus voltages in mV and how many ticks in a row beyond them are a fault.
 const OVERVOLTAGE: (i32, u32) = (60_000, 2);
 const UNDERVOLTAGE: (i32, u32) = (15_000, 40);
-/// Current in mA, and ticks in a row beyond it that are a fault.
+/// Current in mA, and ticks beyond it that are a fault, of four in a row.
 const OVERCURRENT: (i32, u32) = (12_000, 2);
 /// What the drive may take for an offset of the sensors at the most, in mA: noise of a step of the converter, as a mean.
 const OFFSET: i32 = 10;
@@ -39,11 +39,13 @@ const ENOUGH: i32 = 1_000;
 pub struct Alarms {
     high: u32,
     low: u32,
+    /// Which of the last four samples may have been beyond the limit for over-current, and which were whatever the drive takes for an offset.
     over: u32,
+    surely_over: u32,
     error: u16,
     /// Ticks since windings were broken, up to [`MENDED`].
     whole: u32,
-    /// Whether the drive has last identified the motor that it has.
+    /// Whether the drive has last identified the motor that it has, whole and to its satisfaction.
     identified: bool,
     was_identifying: bool,
     /// Ticks since the motor was being identified, up to [`VERDICT`] and one more.
@@ -61,6 +63,7 @@ impl Default for Alarms {
             high: 0,
             low: 0,
             over: 0,
+            surely_over: 0,
             error: 0,
             whole: MENDED,
             identified: false,
@@ -103,7 +106,9 @@ impl Alarms {
         let [first, second] = sensors.phase_currents.map(|current| current.0);
         let third = if view.objects.motor_type == 1 { first + second } else { 0 };
         let most = first.abs().max(second.abs()).max(third.abs());
-        self.over = if most > OVERCURRENT.0 - OFFSET { self.over + 1 } else { 0 };
+        let last_four = |samples: u32, limit: i32| (samples << 1 | u32::from(most > limit)) & 0xF;
+        self.over = last_four(self.over, OVERCURRENT.0 - OFFSET);
+        self.surely_over = last_four(self.surely_over, OVERCURRENT.0 + OFFSET);
         let turns = view.velocity() as f64 / SUB_PULSES as f64 / f64::from(view.objects.resolution) * f64::from(TICKS_PER_SECOND);
         self.slow = if turns.abs() > FASTEST { 0 } else { (self.slow + 1).min(FOLLOWED) };
         let broken = is_broken(&view.plant().faults());
@@ -125,7 +130,7 @@ impl Alarms {
             0x3110 => self.high >= OVERVOLTAGE.1,
             0x3210 => self.low >= UNDERVOLTAGE.1,
             0x2211 => {
-                (self.over >= OVERCURRENT.1 || self.since_identifying <= VERDICT)
+                (self.over.count_ones() >= OVERCURRENT.1 || self.since_identifying <= VERDICT)
                     && (unknown || self.slow < FOLLOWED || harmonic_is_high(view))
             }
             0x7122 => enabled && (unknown || self.slow < FOLLOWED),
@@ -161,7 +166,8 @@ impl Alarms {
         if identifying && (self.whole < MENDED || !is_right(view)) {
             self.identified = false;
         }
-        if self.was_identifying && !identifying && view.drive.device().drive().winding().is_none() {
+        let settled = view.drive.device().drive().winding().is_some_and(|winding| winding.settled);
+        if self.was_identifying && !identifying && !settled {
             self.identified = false;
         }
         self.was_identifying = identifying;
@@ -173,10 +179,10 @@ impl Alarms {
         must(!quiet || self.low < UNDERVOLTAGE.1, || "no fault of a bus below 15 V".into())?;
         let vector = view.drive.device().drive().current_vector();
         let Some(vector) = vector.filter(|_| view.is_powered()) else {
-            (self.missing, self.shorted) = ([0.0; 2], 0);
+            (self.missing, self.shorted, self.surely_over) = ([0.0; 2], 0, 0);
             return Ok(());
         };
-        must(self.over <= OVERCURRENT.1 || !is_beyond(view), || {
+        must(self.surely_over.count_ones() <= OVERCURRENT.1, || {
             "the power stage stays on beyond 12 A".into()
         })?;
         let speed = f64::from(vector.angle.0.wrapping_sub(self.angle) as i32).abs() / 2_f64.powi(32) * TAU * f64::from(TICKS_PER_SECOND);
@@ -186,7 +192,8 @@ impl Alarms {
             return Ok(());
         }
         self.check_open(faults.open, vector, speed, view)?;
-        let shorted = faults.shorted[0] || faults.shorted[1];
+        // A short before the identification is found by that, or is what the gains are made for.
+        let shorted = (faults.shorted[0] || faults.shorted[1]) && self.identified && view.objects.auto_pi == 1;
         self.shorted = if shorted { self.shorted + 1 } else { 0 };
         must(self.shorted <= SHORTED, || "a shorted winding is not found".into())
     }
@@ -226,10 +233,4 @@ fn is_right(view: &View) -> bool {
 fn harmonic_is_high(view: &View) -> bool {
     let [peak, harmonic] = [view.objects.peak_current, view.objects.harmonic_amplitude].map(f64::from);
     peak * (1.0 + harmonic / 1000.0) > 0.8 * f64::from(OVERCURRENT.0)
-}
-
-/// Whether the measurement is beyond the limit whatever the drive takes for an offset.
-fn is_beyond(view: &View) -> bool {
-    let [first, second] = view.sensors.phase_currents.map(|current| current.0.abs());
-    first.max(second) > OVERCURRENT.0 + OFFSET
 }

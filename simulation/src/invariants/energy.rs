@@ -14,6 +14,8 @@ const CLOSES: (f64, f64) = (1e-3, 1e-4);
 pub struct Energy {
     ticks: u32,
     before: Option<EnergyAccount>,
+    /// Energy in the windings' field, and how much has gone in and out of it since then.
+    magnetic: (f64, f64),
     /// The account when the bus was last no higher than the source.
     level: Option<EnergyAccount>,
     /// As [`Energy::rounded`], since then.
@@ -40,13 +42,16 @@ impl Energy {
         self.rounded_since_level += rounded;
         let shorted = view.plant().faults().shorted;
         self.shorted |= shorted[0] || shorted[1];
-        self.check_bus(view)?;
+        let account = view.plant().energy();
+        let (magnetic, swung) = self.magnetic;
+        self.magnetic = (account.magnetic, swung + (account.magnetic - magnetic).abs());
+        self.check_bus(&account, view)?;
         self.ticks += 1;
         if self.ticks < PERIOD {
             return Ok(());
         }
         self.ticks = 0;
-        let account = view.plant().energy();
+        let swung = std::mem::take(&mut self.magnetic.1);
         let Some(before) = self.before.replace(account) else {
             return Ok(());
         };
@@ -61,7 +66,7 @@ impl Energy {
             account.load - before.load,
             account.kinetic - before.kinetic,
         ];
-        let moved: f64 = moved.iter().map(|energy| energy.abs()).sum();
+        let moved = swung + moved.iter().map(|energy| energy.abs()).sum::<f64>();
         let rounded = std::mem::take(&mut self.rounded);
         if std::mem::take(&mut self.shorted) {
             return Ok(());
@@ -72,20 +77,19 @@ impl Energy {
     }
 
     /// A bus above its source has that from what turned, swung or flowed when it was not, or from the load: the source's diode is closed.
-    fn check_bus(&mut self, view: &View) -> Verdict {
+    fn check_bus(&mut self, account: &EnergyAccount, view: &View) -> Verdict {
         let plant = view.plant();
         let config = plant.config();
         let source = f64::from(config.supply.0 + plant.faults().supply_offset.0) / 1000.0;
-        let account = plant.energy();
         if plant.bus_voltage() <= source {
-            self.level = Some(account);
+            self.level = Some(*account);
             self.rounded_since_level = 0.0;
             return Ok(());
         }
         let Some(level) = self.level else { return Ok(()) };
         let stored = |account: &EnergyAccount| account.kinetic + account.elastic + account.magnetic + account.capacitor;
         let brought = account.source - level.source + account.hand - level.hand - (account.load - level.load);
-        let gained = stored(&account) - stored(&level);
+        let gained = stored(account) - stored(&level);
         let tolerance = CLOSES.0 * (stored(&level) + brought.abs() + account.spent() - level.spent()) + CLOSES.1 + self.rounded_since_level;
         must(gained <= brought + tolerance, || {
             format!("the bus at {:.2} V has gained {gained} J of {brought} J", plant.bus_voltage())

@@ -76,8 +76,8 @@ impl Motion {
         self.allowed.take(view);
         match view.drive.device().drive().current_vector() {
             None => {
-                // Cyclic targets count from the enabling on, before the offsets of the sensors are known and in the tick that finds a fault.
-                let begins = view.state == PowerState::OperationEnabled && view.mode == Some(Mode::CyclicPosition) && !view.signals.offline;
+                // The tick in which a fault is found switches the power stage off after the motion.
+                let begins = view.state == PowerState::OperationEnabled && self.powered && !view.signals.offline;
                 must(begins || velocity == 0, || format!("{velocity} sub-pulses without current"))?;
                 must(begins || !view.is_moving(), || "moving without current".into())?;
                 let gained = self.coasting.zip(coasting).map_or(0.0, |(before, after)| after - before);

@@ -11,8 +11,8 @@ const PERIOD: i32 = 1 << 16;
 const USABLE: i32 = PERIOD * 95 / 100 + 2;
 /// What trips over-current, in ampere, with a step of the converter.
 const OVERCURRENT: f64 = 12.0 + 0.0063;
-/// Ticks in which a current goes on rising after that: it begins within one, is seen at the end of the next, and then the bridge is off.
-const REACTION: f64 = 3.0;
+/// Ticks in which a current goes on rising after that: it begins within one, up to four samples tell it, and then the bridge is off.
+const REACTION: f64 = 5.0;
 /// Current in ampere that is none.
 const NONE: f64 = 1e-9;
 /// Forward voltages in the way of a current when all transistors are off, in V: two diodes of at least this.
