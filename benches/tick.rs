@@ -1,8 +1,8 @@
-//! What a control tick of 50 us costs: a whole virtual drive by `VirtualDrive::catch_up`, its firmware core alone, its plant alone, and
-//! both of them with everything on.
+//! What a control tick of 50 us costs: a whole virtual drive by `VirtualDrive::catch_up`, firmware core and plant together with everything on,
+//! and the plant by what it is made of.
 //!
-//! One iteration is a cycle of 1 ms with 20 ticks; times are CPU time per tick. In OP, the cycle begins with the master's frame, which is
-//! part of the time: a 20th of a frame is in each tick.
+//! Times are CPU time per tick. For a whole drive one iteration is a cycle of 1 ms with 20 ticks; in OP, the cycle begins with the
+//! master's frame, which is part of the time: a 20th of a frame is in each tick.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -12,13 +12,13 @@ use benchmarks::bring_up;
 use benchmarks::bus::{Bus, Lockstep};
 use benchmarks::cpu_time::cpu_time;
 use benchmarks::cyclic::{Cycle, Image};
+use benchmarks::field;
 use benchmarks::machine;
 use benchmarks::scenario::SCENARIOS;
-use board::{Actuators, Duty, PowerStage, Sensors, TICK};
+use board::{Actuators, Sensors, TICK, TICKS_PER_SECOND};
 use criterion::Criterion;
-use drive::{Drive, DriveObjects, PowerState};
-use plant::{Plant, PlantConfig};
-use usr2556e::master::process_data::{mode, towards_enabled};
+use drive::{Drive, DriveObjects};
+use plant::{Coupling, Plant, PlantConfig, Turns, motors};
 
 /// Ticks of a cycle of 1 ms.
 const TICKS: u32 = (bring_up::CYCLE.as_nanos() as u64 / TICK.0) as u32;
@@ -95,36 +95,11 @@ fn core_idle(criterion: &mut Criterion) {
     });
 }
 
-/// The firmware core alone, enabled and moving in CSP.
-fn core_moving(criterion: &mut Criterion) {
-    let (mut core, mut objects) = (Drive::new(), DriveObjects::new());
-    let sensors = Plant::new(PlantConfig::default()).sensors();
-    core.set_network(true);
-    objects.mode = mode::CYCLIC_POSITION;
-    while core.power_state() != PowerState::OperationEnabled {
-        objects.controlword = towards_enabled(objects.statusword, objects.controlword);
-        core.tick(&sensors, &mut objects);
-    }
-    let mut done = 0;
-    criterion.bench_function("Drive::tick, CSP moving", |bencher| {
-        bencher.iter_custom(|cycles| {
-            let taken = per_tick(done, cycles, |number| {
-                objects.target_position = sine(number);
-                core.synchronize(&objects, Some(board::Nanos(bring_up::CYCLE.as_nanos() as u64)));
-                tick(&mut core, &sensors, &mut objects);
-            });
-            done += cycles;
-            let lag = objects.position - sine(done - 1);
-            assert!(lag.abs() < MOST_LAG, "the drive does not follow: {lag} pulses behind");
-            taken
-        });
-    });
-}
-
-/// Firmware core and plant through some scenarios, everything on. An iteration is a whole run, divided by its ticks.
+/// Firmware core and plant through some scenarios, everything on; and the plant alone with the same commands. An iteration is a whole run,
+/// divided by its ticks.
 fn everything_on(criterion: &mut Criterion) {
     for scenario in SCENARIOS.iter().filter(|scenario| TIMED.contains(&scenario.name)) {
-        criterion.bench_function(&format!("Drive::tick and Plant::step, {}", scenario.name), |bencher| {
+        criterion.bench_function(&format!("full tick, {}", scenario.name), |bencher| {
             bencher.iter_custom(|runs| {
                 let run = |_| {
                     let mut core = (scenario.begin)();
@@ -135,6 +110,17 @@ fn everything_on(criterion: &mut Criterion) {
                 (0..runs).map(run).sum::<Duration>() / scenario.ticks
             });
         });
+        let mut core = (scenario.begin)();
+        let plant = core.plant.clone();
+        let commands: Vec<Actuators> = (0..scenario.ticks)
+            .map(|tick| {
+                (scenario.before_tick)(&mut core, tick);
+                core.step();
+                core.actuators
+            })
+            .collect();
+        assert!((scenario.succeeded)(&core), "{}", scenario.name);
+        replay(criterion, &format!("its Plant::step, {}", scenario.name), &plant, &commands);
     }
 }
 
@@ -145,33 +131,50 @@ fn tick(core: &mut Drive, sensors: &Sensors, objects: &mut DriveObjects) {
     }
 }
 
-/// The plant alone, its field turning.
-fn plant_step(criterion: &mut Criterion) {
-    let mut plant = Plant::new(PlantConfig::default());
-    let mut done = 0;
-    criterion.bench_function("Plant::step, field turning", |bencher| {
-        bencher.iter_custom(|cycles| {
-            let taken = per_tick(done, cycles, |number| {
-                for step in 0..TICKS {
-                    black_box(plant.step(black_box(&field(number as u32 * TICKS + step))));
-                }
-            });
-            done += cycles;
-            taken
-        });
+/// The plant alone, by what it is made of.
+fn plants(criterion: &mut Criterion) {
+    /// A second.
+    const STEPS: u32 = TICKS_PER_SECOND;
+    let mut config = PlantConfig::default();
+    config.travel.stops = (Turns(-1e3), Turns(1e3));
+    let three_phases = PlantConfig {
+        motor: motors::THREE_PHASE_57,
+        ..config
+    };
+    let mut elastic = config;
+    elastic.load.coupling = Some(Coupling {
+        stiffness: 50.0,
+        damping: 0.01,
     });
+    let plants = [
+        ("two phases", config, 5.0),
+        ("three phases", three_phases, 5.0),
+        ("elastic coupling", elastic, 5.0),
+        ("two phases at 16 turns/s, two steps a tick", config, 16.0),
+    ];
+    for (name, config, speed) in plants {
+        let (plant, commands) = field::turning(config, speed, STEPS);
+        replay(criterion, &format!("Plant::step, {name}"), &plant, &commands);
+    }
+    let off = vec![Actuators::default(); STEPS as usize];
+    replay(criterion, "Plant::step, power stage off", &Plant::new(config), &off);
 }
 
-/// Voltages of 3 V that turn by 20 electrical periods to and fro, at 5 periods a second.
-fn field(tick: u32) -> Actuators {
-    let phase = f64::from(tick % (20 << 12)) / f64::from(1 << 12) * TAU;
-    let turns_back = tick / (20 << 12) % 2 == 1;
-    let sine = if turns_back { -phase.sin() } else { phase.sin() };
-    let leg = |voltage: f64| Duty((32_768.0 * (1.0 + voltage / 12.0)) as u16);
-    Actuators {
-        stage: PowerStage::Legs([leg(phase.cos()), leg(-phase.cos()), leg(sine), leg(-sine)]),
-        ..Actuators::default()
-    }
+/// A plant's steps under commands that are known beforehand.
+fn replay(criterion: &mut Criterion, name: &str, plant: &Plant, commands: &[Actuators]) {
+    criterion.bench_function(name, |bencher| {
+        bencher.iter_custom(|runs| {
+            let run = |_| {
+                let mut plant = plant.clone();
+                let begin = cpu_time();
+                for command in commands {
+                    black_box(plant.step(black_box(command)));
+                }
+                cpu_time() - begin
+            };
+            (0..runs).map(run).sum::<Duration>() / commands.len() as u32
+        });
+    });
 }
 
 fn main() {
@@ -186,8 +189,7 @@ fn main() {
     operating(&mut criterion, "virtual drive, OP, enabled and standing", |_| 0);
     operating(&mut criterion, "virtual drive, OP, moving in CSP", sine);
     core_idle(&mut criterion);
-    core_moving(&mut criterion);
-    plant_step(&mut criterion);
     everything_on(&mut criterion);
+    plants(&mut criterion);
     criterion.final_summary();
 }

@@ -7,7 +7,7 @@ use usr2556e::segment::VirtualSegment;
 use wire::Nanos;
 
 /// What a frame spends on a 100 Mbit/s wire at the least.
-const FRAME_TIME: Nanos = Nanos(6_720);
+pub const FRAME_TIME: Nanos = Nanos(6_720);
 
 /// A wire with drives at its other end.
 pub trait Bus {

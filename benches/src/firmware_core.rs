@@ -29,6 +29,8 @@ pub struct Core {
     pub set_point: Option<Nanos>,
     /// Whether ticks go through [`counted_tick`].
     pub counted: bool,
+    /// What the last tick has commanded.
+    pub actuators: Actuators,
     sensors: Sensors,
     ticks: u64,
 }
@@ -62,6 +64,7 @@ impl Core {
             plant,
             set_point: None,
             counted: false,
+            actuators: Actuators::default(),
             ticks: 0,
         }
     }
@@ -76,8 +79,8 @@ impl Core {
         self.ticks += 1;
         let set_point = self.set_point.take();
         let tick = if self.counted { counted_tick } else { tick };
-        let actuators = tick(&mut self.drive, &self.sensors, &mut self.objects, set_point);
-        self.sensors = self.plant.step(&actuators);
+        self.actuators = tick(&mut self.drive, &self.sensors, &mut self.objects, set_point);
+        self.sensors = self.plant.step(&self.actuators);
     }
 
     /// One tick whose master leads the drive to Operation Enabled.
