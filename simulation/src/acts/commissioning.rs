@@ -86,4 +86,3 @@ impl Simulation {
         self.pause(400)
     }
 }
-

@@ -45,7 +45,9 @@ impl Simulation {
         let mut file = Vec::new();
         let mut message = Message::Read { password: 0, name };
         for packet in 1..MOST_PACKETS {
-            let Some(answer) = self.file_message(message)? else { return Ok(None) };
+            let Some(answer) = self.file_message(message)? else {
+                return Ok(None);
+            };
             let data = match Message::parse(&answer) {
                 Some(Message::Data { packet: number, data }) if number == packet => data.to_vec(),
                 _ => return Err(format!("packet {packet} of a file answered by {answer:02X?}")),
@@ -66,7 +68,9 @@ impl Simulation {
         let mut message = Message::Write { password: 0, name };
         let mut rest = file;
         for packet in 0..=packets as u32 {
-            let Some(answer) = self.file_message(message)? else { return Ok(None) };
+            let Some(answer) = self.file_message(message)? else {
+                return Ok(None);
+            };
             match Message::parse(&answer) {
                 Some(Message::Ack { packet: number }) if number == packet => {}
                 Some(Message::Error { code, .. }) => return Ok(Some(Err(code))),
@@ -120,7 +124,9 @@ impl Simulation {
     fn restore_broken(&mut self, backup: &[u8]) -> Verdict {
         let before = values(self.objects());
         let mut broken = backup.to_vec();
-        let mistake = self.random.pick(&["2000:00 = 99\n", "1234:00 = 1\n", "2001:00 = 1 2\n", "6064:00 = 0\n"]);
+        let mistake = self
+            .random
+            .pick(&["2000:00 = 99\n", "1234:00 = 1\n", "2001:00 = 1 2\n", "6064:00 = 0\n"]);
         let at = broken.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         broken.splice(at..at, mistake.bytes());
         let answer = self.write_file(PARAMETERS, &broken, broken.len() / PACKET + 1)?;

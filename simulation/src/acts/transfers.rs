@@ -47,7 +47,9 @@ impl Simulation {
         for sub in 1..=image[0] {
             let Some(value) = self.upload(index, sub)? else { continue };
             let there = image.get(at..at + value.len());
-            must(there == Some(&value[..]), || format!("{index:04X}:{sub} is {value:X?}, all of it {image:X?}"))?;
+            must(there == Some(&value[..]), || {
+                format!("{index:04X}:{sub} is {value:X?}, all of it {image:X?}")
+            })?;
             at += value.len();
         }
         let before = self.upload_of(index, 0, true)?;

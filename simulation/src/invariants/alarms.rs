@@ -27,7 +27,9 @@ const MENDED: u32 = 800;
 const SHORTED: u32 = 400;
 /// Revolutions a second beyond which nobody knows what currents flow: the manual's 3000 rpm.
 const FASTEST: f64 = 50.0;
-/// Ticks after which a field that turned faster than that is forgotten.
+/// Revolutions a second by which a shaft is faster than its field that the load spins: its back-EMF may drive any current.
+const DRIVEN: f64 = 2.0;
+/// Ticks after which a field or a shaft that turned faster than that is forgotten.
 const FOLLOWED: u32 = 1_000;
 /// Ticks after the end of the identification in which what it has found becomes a fault.
 const VERDICT: u32 = 2;
@@ -53,7 +55,7 @@ pub struct Alarms {
     missing: [f64; 2],
     shorted: u32,
     angle: u32,
-    /// Ticks since the field turned faster than any motor, up to [`FOLLOWED`].
+    /// Ticks since the field turned faster than any motor, or the load spun the shaft, up to [`FOLLOWED`].
     slow: u32,
 }
 
@@ -110,7 +112,13 @@ impl Alarms {
         self.over = last_four(self.over, OVERCURRENT.0 - OFFSET);
         self.surely_over = last_four(self.surely_over, OVERCURRENT.0 + OFFSET);
         let turns = view.velocity() as f64 / SUB_PULSES as f64 / f64::from(view.objects.resolution) * f64::from(TICKS_PER_SECOND);
-        self.slow = if turns.abs() > FASTEST { 0 } else { (self.slow + 1).min(FOLLOWED) };
+        let shaft = view.plant().motor().speed / TAU;
+        let driven = shaft.abs() > turns.abs() + DRIVEN;
+        self.slow = if turns.abs() > FASTEST || driven {
+            0
+        } else {
+            (self.slow + 1).min(FOLLOWED)
+        };
         let broken = is_broken(&view.plant().faults());
         self.whole = if broken { 0 } else { (self.whole + 1).min(MENDED) };
     }
@@ -129,7 +137,10 @@ impl Alarms {
             0x7500 => enabled && !view.operational,
             0x3110 => self.high >= OVERVOLTAGE.1,
             0x3210 => self.low >= UNDERVOLTAGE.1,
-            0x2211 => (self.over.count_ones() >= OVERCURRENT.1 || self.since_identifying <= VERDICT) && (unknown || self.slow < FOLLOWED || harmonic_is_high(view)),
+            0x2211 => {
+                (self.over.count_ones() >= OVERCURRENT.1 || self.since_identifying <= VERDICT)
+                    && (unknown || self.slow < FOLLOWED || harmonic_is_high(view))
+            }
             0x7122 => enabled && (unknown || self.slow < FOLLOWED),
             _ => false,
         };
@@ -138,7 +149,10 @@ impl Alarms {
             let (amplitude, kp) = (view.objects.peak_current, view.objects.current_loop_kp);
             let harmonic = view.objects.harmonic_amplitude;
             let bus = view.plant().bus_voltage();
-            format!("false alarm {error:04X} at {} ticks, {amplitude} mA, {harmonic}, {kp} uH of {inductance} H, {bus} V: {self:?}", self.slow)
+            format!(
+                "false alarm {error:04X} at {} ticks, {amplitude} mA, {harmonic}, {kp} uH of {inductance} H, {bus} V: {self:?}",
+                self.slow
+            )
         })
     }
 
@@ -149,7 +163,11 @@ impl Alarms {
 
     fn follow_identification(&mut self, view: &View) {
         let identifying = view.drive.device().drive().is_identifying();
-        self.since_identifying = if identifying { 0 } else { (self.since_identifying + 1).min(VERDICT + 1) };
+        self.since_identifying = if identifying {
+            0
+        } else {
+            (self.since_identifying + 1).min(VERDICT + 1)
+        };
         if identifying && !self.was_identifying {
             self.identified = true;
         }
@@ -172,7 +190,9 @@ impl Alarms {
             (self.missing, self.shorted, self.surely_over) = ([0.0; 2], 0, 0);
             return Ok(());
         };
-        must(self.surely_over.count_ones() <= OVERCURRENT.1, || "the power stage stays on beyond 12 A".into())?;
+        must(self.surely_over.count_ones() <= OVERCURRENT.1, || {
+            "the power stage stays on beyond 12 A".into()
+        })?;
         let speed = f64::from(vector.angle.0.wrapping_sub(self.angle) as i32).abs() / 2_f64.powi(32) * TAU * f64::from(TICKS_PER_SECOND);
         self.angle = vector.angle.0;
         let faults = view.plant().faults();

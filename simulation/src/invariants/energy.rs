@@ -52,7 +52,9 @@ impl Energy {
         }
         self.ticks = 0;
         let swung = std::mem::take(&mut self.magnetic.1);
-        let Some(before) = self.before.replace(account) else { return Ok(()) };
+        let Some(before) = self.before.replace(account) else {
+            return Ok(());
+        };
         let came = account.source + account.hand - before.source - before.hand;
         let went = account.stored() + account.spent() - before.stored() - before.spent();
         let moved = [
@@ -109,7 +111,7 @@ fn diodes(view: &View) -> f64 {
 
 /// What Coulomb friction may be wrong by in a tick, in J: it is taken off at the end of a tick, so that what the other torques have added to
 /// the speed until then was without it.
-fn friction(view: &View) -> f64 {
+pub fn friction(view: &View) -> f64 {
     let plant = view.plant();
     let (motor, load) = (&plant.config().motor, &plant.config().load);
     let (magnetic, coupled) = (plant.torque().abs(), plant.load_torque().abs());

@@ -66,7 +66,11 @@ impl Power {
         let may_drive = matches!(after, OperationEnabled | QuickStopActive | FaultReactionActive) && !view.signals.offline;
         must(may_drive || !view.is_powered(), || format!("power stage on in {}", after.name()))?;
         self.driven |= view.is_powered();
-        self.calm = if view.plant().motor().currents == [0.0; 2] { self.calm + 1 } else { 0 };
+        self.calm = if view.plant().motor().currents == [0.0; 2] {
+            self.calm + 1
+        } else {
+            0
+        };
         let knows_offsets = self.driven || self.calm > OFFSETS;
         let gives_up = after == OperationEnabled && !view.signals.offline && knows_offsets && !view.is_powered();
         must(!(gives_up && self.gave_up), || "power stage off in Operation Enabled".into())?;

@@ -101,6 +101,8 @@ impl Probes {
         let from = self.positions.len() - (delay + 2);
         let offsets = self.positions.range(from..=from + 1).map(|position| position.wrapping_sub(place));
         let (least, most) = offsets.fold((i32::MAX, i32::MIN), |(least, most), offset| (least.min(offset), most.max(offset)));
-        must(least <= 1 && most >= -1, || format!("latched {place}, {least} to {most} pulses off"))
+        must(least <= 1 && most >= -1, || {
+            format!("latched {place}, {least} to {most} pulses off")
+        })
     }
 }

@@ -39,7 +39,9 @@ impl Windings {
         let [a, b] = plant.motor().currents;
         let amplitude = a.hypot(b);
         let emf = motor.back_emf * plant.motor().speed.abs();
-        must(amplitude.is_finite() && emf.is_finite(), || format!("currents {a} {b}, back-EMF {emf}"))?;
+        must(amplitude.is_finite() && emf.is_finite(), || {
+            format!("currents {a} {b}, back-EMF {emf}")
+        })?;
         // The currents of a short may be anything, and last until the windings are whole and the currents gone.
         self.whole = !broken && (self.whole || amplitude <= NONE);
         if let PowerStage::Legs(duties) = view.actuators.stage {
@@ -69,7 +71,9 @@ impl Windings {
         };
         let against = plant.bus_voltage() + DIODES;
         // In the tick in which it is switched off, the currents may still have risen by what was before.
-        let rest = self.decaying.map_or(amplitude, |most| most + (emf - share * against) * TICK / motor.inductance);
+        let rest = self
+            .decaying
+            .map_or(amplitude, |most| most + (emf - share * against) * TICK / motor.inductance);
         if span * emf > plant.bus_voltage() {
             self.decaying = Some(rest.max(amplitude));
             return Ok(());
