@@ -16,16 +16,13 @@ pub fn of(seed: u64) -> PlantConfig {
     let part = |random: &mut Random, most: i64| random.within(0, most) as f64 / 100.0;
     let inertia = motor.inertia * part(&mut random, 800);
     let torque = motor.holding_torque(motor.rated_current);
-    let stiff = random.chance(70);
+    let coupling = coupling(&mut random, 1.0 / motor.inertia + 1.0 / inertia);
     let load = Load {
         inertia,
         friction: torque * part(&mut random, 10),
         drag: motor.drag * part(&mut random, 100),
         torque: torque * random.pick(&[0.0, 0.0, 0.1, -0.1, 0.2]),
-        coupling: (!stiff).then_some(Coupling {
-            stiffness: random.pick(&[20.0, 200.0, 1000.0]),
-            damping: random.pick(&[0.0, 1e-3, 1e-2]),
-        }),
+        coupling,
     };
     PlantConfig {
         motor,
@@ -38,6 +35,15 @@ pub fn of(seed: u64) -> PlantConfig {
         },
         ..PlantConfig::default()
     }
+}
+
+/// None for a rigid coupling, or one that swings at up to 700 Hz: the integration, at 20 kHz, would damp faster swings. `lightness` is the sum
+/// of both inertias' reciprocals.
+fn coupling(random: &mut Random, lightness: f64) -> Option<Coupling> {
+    const SWINGS: [f64; 3] = [5e5, 4e6, 2e7];
+    let stiffness = random.pick(&SWINGS) / lightness;
+    let damping = random.pick(&[0.0, 1e-5, 1e-4]) * stiffness;
+    (random.chance(30) && stiffness > 0.0).then_some(Coupling { stiffness, damping })
 }
 
 /// The value of 0x200C:01 that fits a motor.

@@ -1,5 +1,6 @@
 //! Identification of motors that nobody has seen before.
 
+use board::Nanos;
 use plant::motors;
 
 use crate::bench::{Bench, Random};
@@ -184,6 +185,26 @@ fn a_motor_that_is_turned_meanwhile_is_no_fault_and_is_identified_once_it_is_lef
     bench.lock();
     assert!(bench.drive.winding().is_some_and(|winding| winding.settled));
     assert!(gains(&bench).0.abs_diff(2_500) < 75 && gains(&bench).1.abs_diff(192) < 4);
+}
+
+#[test]
+fn a_field_that_turns_ends_the_identification_until_the_next_enabling() {
+    let mut bench = known_motor(6);
+    bench.enable(8);
+    bench.until(|bench| bench.drive.current_vector().is_some());
+    for cycle in 1..200 {
+        bench.objects.target_position = 10 * cycle;
+        bench.drive.synchronize(&bench.objects, Some(Nanos(1_000_000)));
+        bench.ticks(20);
+        assert_eq!(bench.objects.error_code, 0, "cycle {cycle}");
+    }
+    assert_eq!((bench.drive.winding(), bench.drive.is_identifying()), (None, false));
+    assert!(bench.drive.is_shaft_locked());
+    bench.objects.controlword = 0;
+    bench.ticks(2_000);
+    bench.enable(1);
+    bench.lock();
+    assert!(bench.drive.winding().is_some_and(|winding| winding.settled));
 }
 
 #[test]

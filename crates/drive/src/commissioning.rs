@@ -145,9 +145,10 @@ impl Commissioning {
         }
     }
 
-    /// One tick of the motor's first enabling; none if there is nothing to find out.
-    pub fn tick(&mut self, angle: ElectricalAngle, sensors: &Sensors, objects: &DriveObjects) -> Option<Order> {
-        if objects.auto_pi == 0 || self.known && matches!(self.progress, Progress::Ahead) {
+    /// One tick of the motor's first enabling; none if there is nothing to find out. A field that turns, as CSP may have it, ends the
+    /// identification: the motor is identified the next time.
+    pub fn tick(&mut self, angle: ElectricalAngle, moving: bool, sensors: &Sensors, objects: &DriveObjects) -> Option<Order> {
+        if objects.auto_pi == 0 || moving || self.known && matches!(self.progress, Progress::Ahead) {
             self.progress = Progress::Over;
         }
         if matches!(self.progress, Progress::Ahead) {

@@ -297,7 +297,7 @@ impl Drive {
     fn drive_windings(&mut self, moving: bool, sensors: &Sensors, objects: &DriveObjects) -> PowerStage {
         let angle = self.field.angle();
         let settings = current_loop::Settings::from_objects(objects);
-        match self.commissioning.tick(angle, sensors, objects) {
+        match self.commissioning.tick(angle, moving, sensors, objects) {
             Some(Order::Wait) => return PowerStage::Off,
             Some(Order::Fault(fault)) => {
                 self.met = Some(fault);

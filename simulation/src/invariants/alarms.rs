@@ -27,7 +27,9 @@ const MENDED: u32 = 800;
 const SHORTED: u32 = 400;
 /// Revolutions a second beyond which nobody knows what currents flow: the manual's 3000 rpm.
 const FASTEST: f64 = 50.0;
-/// Ticks after which a field that turned faster than that is forgotten.
+/// Revolutions a second by which a shaft is faster than its field that the load spins: its back-EMF may drive any current.
+const DRIVEN: f64 = 2.0;
+/// Ticks after which a field or a shaft that turned faster than that is forgotten.
 const FOLLOWED: u32 = 1_000;
 /// Ticks after the end of the identification in which what it has found becomes a fault.
 const VERDICT: u32 = 2;
@@ -53,7 +55,7 @@ pub struct Alarms {
     missing: [f64; 2],
     shorted: u32,
     angle: u32,
-    /// Ticks since the field turned faster than any motor, up to [`FOLLOWED`].
+    /// Ticks since the field turned faster than any motor, or the load spun the shaft, up to [`FOLLOWED`].
     slow: u32,
 }
 
@@ -110,7 +112,13 @@ impl Alarms {
         self.over = last_four(self.over, OVERCURRENT.0 - OFFSET);
         self.surely_over = last_four(self.surely_over, OVERCURRENT.0 + OFFSET);
         let turns = view.velocity() as f64 / SUB_PULSES as f64 / f64::from(view.objects.resolution) * f64::from(TICKS_PER_SECOND);
-        self.slow = if turns.abs() > FASTEST { 0 } else { (self.slow + 1).min(FOLLOWED) };
+        let shaft = view.plant().motor().speed / TAU;
+        let driven = shaft.abs() > turns.abs() + DRIVEN;
+        self.slow = if turns.abs() > FASTEST || driven {
+            0
+        } else {
+            (self.slow + 1).min(FOLLOWED)
+        };
         let broken = is_broken(&view.plant().faults());
         self.whole = if broken { 0 } else { (self.whole + 1).min(MENDED) };
     }

@@ -111,7 +111,7 @@ fn diodes(view: &View) -> f64 {
 
 /// What Coulomb friction may be wrong by in a tick, in J: it is taken off at the end of a tick, so that what the other torques have added to
 /// the speed until then was without it.
-fn friction(view: &View) -> f64 {
+pub fn friction(view: &View) -> f64 {
     let plant = view.plant();
     let (motor, load) = (&plant.config().motor, &plant.config().load);
     let (magnetic, coupled) = (plant.torque().abs(), plant.load_torque().abs());

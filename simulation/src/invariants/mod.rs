@@ -38,6 +38,9 @@ use crate::coverage::Coverage;
 /// A control tick in seconds.
 pub const TICK: f64 = 50e-6;
 
+/// Ticks from one look at the lost steps to the next.
+const STEPS_COUNTED: u32 = 1009;
+
 /// Nothing, or what is wrong.
 pub type Verdict = Result<(), String>;
 
@@ -101,6 +104,8 @@ pub struct Invariants {
     before: PowerState,
     al_state: AlState,
     moving_in: Option<Mode>,
+    ticks: u32,
+    lost_periods: i64,
     power: power::Power,
     modes: bits::Modes,
     motion: motion::Motion,
@@ -160,6 +165,14 @@ impl Invariants {
 
     /// Counts what happens for the first time in this tick.
     fn note(&mut self, view: &View, coverage: &mut Coverage) {
+        self.ticks += 1;
+        if self.ticks.is_multiple_of(STEPS_COUNTED) {
+            let lost = view.drive.motor().lost_periods;
+            if lost != self.lost_periods {
+                self.lost_periods = lost;
+                coverage.count("steps lost");
+            }
+        }
         if view.state != view.before {
             coverage.count(&format!("state {}", view.state.name()));
             if view.state == PowerState::FaultReactionActive {

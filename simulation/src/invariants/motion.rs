@@ -2,7 +2,7 @@
 
 use drive::{CurrentVector, Mode, PowerState};
 
-use super::{Verdict, View, must};
+use super::{Verdict, View, energy, must};
 use crate::coverage::Coverage;
 
 /// Sub-pulses of a pulse.
@@ -81,7 +81,9 @@ impl Motion {
                 must(begins || velocity == 0, || format!("{velocity} sub-pulses without current"))?;
                 must(begins || !view.is_moving(), || "moving without current".into())?;
                 let gained = self.coasting.zip(coasting).map_or(0.0, |(before, after)| after - before);
-                must(gained <= ENERGY_ROUNDING, || format!("the shaft gains {gained} J without current"))?;
+                must(gained <= ENERGY_ROUNDING + energy::friction(view), || {
+                    format!("the shaft gains {gained} J without current")
+                })?;
                 if self.velocity != 0 && view.signals.offline {
                     coverage.count("motor offline in motion");
                 }
