@@ -25,6 +25,8 @@ const SOMETHING: f32 = 2.0;
 /// twentieth of a turn a second that takes 27 ms where the phase is lost just before its current passes zero. While the current rises from
 /// nothing, as in the shaft lock, the back-EMF of a shaft that a load turns may hold a whole winding at nothing for as long.
 const MISSING: f32 = 2.5e-3 * TICKS_PER_SECOND as f32;
+/// An operating current below this, in ampere, counts as this: the back-EMF of a shaft that has lost its step moves the currents by as much.
+const SMALL: f32 = 1.0;
 /// The current that the supply can drive through the winding at the present speed has to be this many times what counts as nothing.
 const REACH: f32 = 4.0;
 
@@ -125,7 +127,7 @@ impl Protection {
             if !idle {
                 *missing = 0.0;
             } else if wanted > SOMETHING * nothing && in_reach {
-                *missing += wanted / view.operating;
+                *missing += wanted / view.operating.max(SMALL);
             }
         }
         let lost = self.missing.iter().any(|missing| *missing > MISSING);
@@ -226,6 +228,21 @@ mod tests {
             };
             assert_eq!(protection.tick(&rising), None, "{tick}");
         }
+    }
+
+    #[test]
+    fn at_a_small_operating_current_a_phase_is_lost_as_much_later() {
+        let mut protection = Protection::default();
+        let small = View {
+            due: Some(CurrentVector {
+                angle: ElectricalAngle(0),
+                amplitude: Milliamps(250),
+            }),
+            operating: 0.25,
+            ..view(0.0, Phases::Two, [true, false])
+        };
+        let lost = (1..1_000).find(|_| protection.tick(&small).is_some());
+        assert!(matches!(lost, Some(200..=202)), "{lost:?}");
     }
 
     #[test]
