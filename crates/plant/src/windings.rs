@@ -113,7 +113,7 @@ pub(crate) struct Windings {
     pub(crate) phases: Phases,
     /// The directions of the windings; without a third it is nought.
     axes: [Vector; MOST],
-    /// By each winding's current in A: the bus voltage whose ripple has that amplitude.
+    /// Volts of the bus for each ampere of mean ripple in a winding.
     pub(crate) ripple: [f64; MOST],
     /// All of them carrying current.
     coils: Coils<Symmetric>,
@@ -252,5 +252,43 @@ fn coil(motor: &MotorParameters, in_series: f64, turns: f64) -> Coils<f64> {
         inverse: 1.0 / inductance,
         magnet: turns * motor.back_emf / PERIODS,
         torque: turns * motor.torque_constant(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motors;
+
+    #[test]
+    fn numbers_and_matrices_do_the_same_with_whole_windings() {
+        for motor in motors::ALL {
+            let windings = Windings::new(&motor.parameters, 0.06, &Faults::default());
+            let all = Set((1 << windings.count()) - 1);
+            for idle in [Set::NONE, all] {
+                let (numbers, matrices) = (windings.alike(idle).expect("whole windings"), windings.coils(idle));
+                for vector in [[1.0, 0.0], [0.0, 1.0], [0.6, -0.8]] {
+                    let same = |number: f64, matrix: Symmetric| {
+                        let (one, other) = (number.times(vector), matrix.times(vector));
+                        (0..2).all(|at| (one[at] - other[at]).abs() <= 1e-12 * number.abs())
+                    };
+                    assert!(same(numbers.resistance, matrices.resistance), "{}", motor.name);
+                    assert!(same(numbers.inductance, matrices.inductance), "{}", motor.name);
+                    assert!(same(numbers.inverse, matrices.inverse), "{}", motor.name);
+                    assert!(same(numbers.magnet, matrices.magnet), "{}", motor.name);
+                    assert!(same(numbers.torque, matrices.torque), "{}", motor.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_shorted_winding_takes_matrices() {
+        let faults = Faults {
+            shorted: [true, false],
+            ..Faults::default()
+        };
+        let windings = Windings::new(&motors::QSH5718_56, 0.06, &faults);
+        assert!(windings.alike(Set::NONE).is_none());
     }
 }

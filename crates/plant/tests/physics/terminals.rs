@@ -133,3 +133,24 @@ fn a_hand_acts_at_the_start_of_a_step_and_only_where_nothing_else_does() {
     plant.place(Turns(0.2));
     assert_eq!(step(&mut plant), (0, CONTROL_TICK));
 }
+
+#[test]
+fn inputs_are_what_the_switches_say_wherever_a_hand_moves_the_axis() {
+    let mut plant = Plant::new(PlantConfig::default());
+    let (mut random, mut position, mut changes, mut last) = (1_u64, 0.0_f64, 0, 0);
+    for step in 0..20_000 {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let way = (random >> 33) as f64 / f64::from(1 << 30) - 1.0;
+        position = (position + way * [0.01, 0.3, 8.0][step % 3]).clamp(-12.0, 12.0);
+        plant.place(Turns(position));
+        let inputs = plant.step(&Actuators::default()).inputs.0;
+        let switches = plant.switches();
+        let expected = u8::from(switches.positive_limit) << 2 | u8::from(switches.negative_limit) << 3 | u8::from(switches.home) << 4;
+        assert_eq!(inputs, expected, "at {position}, step {step}");
+        changes += u32::from(inputs != last);
+        last = inputs;
+    }
+    assert!(changes > 1000, "{changes} changes");
+}
