@@ -61,6 +61,7 @@ impl Protection {
     }
 
     /// Looks at a tick. The fault is told once; by the next tick the power stage is off.
+    #[inline]
     pub fn tick(&mut self, view: &View) -> Option<Fault> {
         let [first, second] = view.currents;
         let third = match view.phases {
