@@ -7,7 +7,7 @@ use crate::brake::Brake;
 use crate::commissioning::{Commissioning, Order};
 use crate::controlword::{Controlword, StartEdge};
 use crate::current_loop::identification::Winding;
-use crate::current_loop::{self, Bridge, CurrentLoop};
+use crate::current_loop::{self, Bridge, CurrentLoop, ampere};
 use crate::faults::{Fault, Faults, Measured};
 use crate::inputs::{Inputs, Signals};
 use crate::modes::{Context, Mode, Modes};
@@ -82,12 +82,13 @@ impl Drive {
 
         self.commissioning.observe(sensors, self.vector.is_some());
         let sensors = &self.commissioning.corrected(sensors);
-        let activity = self.control_power(sensors, controlword, objects);
+        let currents = sensors.phase_currents.map(ampere);
+        let activity = self.control_power(sensors, currents, controlword, objects);
         let mode_bits = self.act(activity, controlword, objects);
         self.clear_position(objects);
         self.probes.tick(sensors, &self.signals, &self.motion, objects);
 
-        let stage = self.drive_stage(activity, sensors, objects);
+        let stage = self.drive_stage(activity, sensors, currents, objects);
         let indications = Indications {
             alarm: self.power.state().is_faulty(),
             brake_open: self.brake.is_open(),
@@ -186,13 +187,13 @@ impl Drive {
         &self.signals
     }
 
-    fn control_power(&mut self, sensors: &Sensors, controlword: Controlword, objects: &DriveObjects) -> Activity {
+    fn control_power(&mut self, sensors: &Sensors, currents: [f32; 2], controlword: Controlword, objects: &DriveObjects) -> Activity {
         let before = self.power.state();
         let measured = Measured {
             bus_voltage: sensors.bus_voltage,
             operational: self.operational,
             enabled: before.is_enabled(),
-            currents: self.fault_of_currents(sensors, objects),
+            currents: self.fault_of_currents(sensors, currents, objects),
         };
         let fault_detected = self.faults.observe(&measured);
         if fault_detected && self.faults.latched().is_some_and(Fault::is_uncontrolled) {
@@ -217,14 +218,14 @@ impl Drive {
     }
 
     /// What the currents of the last tick tell.
-    fn fault_of_currents(&mut self, sensors: &Sensors, objects: &DriveObjects) -> Option<Fault> {
+    fn fault_of_currents(&mut self, sensors: &Sensors, currents: [f32; 2], objects: &DriveObjects) -> Option<Fault> {
         let met = self.met.take();
         if self.vector.is_none() {
             self.protection.off();
             return met.or(self.commissioning.broken_circuit());
         }
         let due = self.vector.filter(|_| !self.commissioning.is_running());
-        self.protection.tick(&View::new(sensors, due, objects))
+        self.protection.tick(&View::new(currents, sensors.bus_voltage, due, objects))
     }
 
     /// Moves the commanded position on and returns the mode's bits of the statusword.
@@ -272,13 +273,13 @@ impl Drive {
         }
     }
 
-    fn drive_stage(&mut self, activity: Activity, sensors: &Sensors, objects: &DriveObjects) -> PowerStage {
+    fn drive_stage(&mut self, activity: Activity, sensors: &Sensors, currents: [f32; 2], objects: &DriveObjects) -> PowerStage {
         self.field.turn(self.motion.travel(), objects.resolution, objects.run_reverse != 0);
         let moving = self.is_moving();
         let stage = if activity == Activity::Off {
             self.switch_off()
         } else {
-            self.drive_windings(moving, sensors, objects)
+            self.drive_windings(moving, sensors, currents, objects)
         };
         let leaving = matches!(activity, Activity::Stop(_)) && !moving && self.power.stop_switches_off(objects);
         self.brake.tick(self.current.is_locked(), leaving);
@@ -294,7 +295,7 @@ impl Drive {
     }
 
     /// The motor is on: the identification drives it if this is its first time, and otherwise the current loop.
-    fn drive_windings(&mut self, moving: bool, sensors: &Sensors, objects: &DriveObjects) -> PowerStage {
+    fn drive_windings(&mut self, moving: bool, sensors: &Sensors, currents: [f32; 2], objects: &DriveObjects) -> PowerStage {
         let angle = self.field.angle();
         let settings = current_loop::Settings::from_objects(objects);
         match self.commissioning.tick(angle, moving, sensors, objects) {
@@ -317,7 +318,7 @@ impl Drive {
             amplitude: self.current.tick(moving, objects),
         };
         self.vector = Some(vector);
-        self.current_loop.tick(vector, sensors, &settings)
+        self.current_loop.tick(vector, currents, sensors.bus_voltage, &settings)
     }
 
     fn is_in_place(&self, mode_bits: u16) -> bool {

@@ -77,6 +77,8 @@ pub struct Inputs {
     functions: [u16; INPUT_COUNT],
     /// What follows from them: which inputs have each function, bit 0 IN1.
     inputs: [u8; PROBE_2 + 1],
+    /// Which switches some input has as its function.
+    assigned: homing::Signals,
 }
 
 /// Room for the inputs in a round number, with which the filter goes through all of them by one vector instruction where there are such.
@@ -84,6 +86,7 @@ const LANES: usize = 8;
 
 impl Inputs {
     /// Takes a tick's levels.
+    #[inline(always)]
     pub fn tick(&mut self, levels: InputLevels, objects: &DriveObjects) -> Signals {
         let before = self.steady.unwrap_or(levels);
         let (steady, differing) = self.filter(levels, before, objects.input_filter);
@@ -100,11 +103,7 @@ impl Inputs {
                 positive_limit: some_valid(CW_LIMIT),
                 home: some_valid(HOME),
             },
-            assigned: homing::Signals {
-                negative_limit: inputs[CCW_LIMIT] != 0,
-                positive_limit: inputs[CW_LIMIT] != 0,
-                home: inputs[HOME] != 0,
-            },
+            assigned: self.assigned,
             fault_clear: valid & changed & inputs[FAULT_CLEAR] != 0,
             emergency_stop: some_valid(EMERGENCY_STOP),
             offline: some_valid(MOTOR_OFFLINE),
@@ -155,6 +154,11 @@ impl Inputs {
                 *inputs |= 1 << number;
             }
         }
+        self.assigned = homing::Signals {
+            negative_limit: self.inputs[CCW_LIMIT] != 0,
+            positive_limit: self.inputs[CW_LIMIT] != 0,
+            home: self.inputs[HOME] != 0,
+        };
     }
 }
 

@@ -66,6 +66,7 @@ impl Motion {
     }
 
     /// Moves on by a tick of a profile.
+    #[inline(always)]
     pub fn run(&mut self, command: &Command) -> Progress {
         let progress = self.generator.step(command);
         self.advance();

@@ -80,20 +80,21 @@ impl PowerControl {
 
     /// Makes at most one transition and tells what the motor is to do then.
     pub fn tick(&mut self, situation: &Situation, objects: &DriveObjects) -> Activity {
+        let command = situation.controlword.command();
         let reset_bit = situation.controlword.fault_reset();
         let reset = situation.fault_clear || reset_bit && !self.reset_bit;
         self.reset_bit = reset_bit;
         self.courtesy &= !situation.emergency_stop;
-        if let Some(event) = self.event(situation, objects, reset) {
+        if let Some(event) = self.event(command, situation, objects, reset) {
             self.enter(self.state.after(event), event);
         }
         let stopping = matches!(self.state, PowerState::QuickStopActive | PowerState::FaultReactionActive);
         self.emergency = stopping && (self.emergency || situation.emergency_stop);
-        self.activity(situation, objects)
+        self.activity(command, situation, objects)
     }
 
     /// What happens in this tick.
-    fn event(&self, situation: &Situation, objects: &DriveObjects, reset: bool) -> Option<Event> {
+    fn event(&self, command: Option<Command>, situation: &Situation, objects: &DriveObjects, reset: bool) -> Option<Event> {
         if situation.fault_detected {
             return Some(Event::FaultDetected);
         }
@@ -104,9 +105,9 @@ impl PowerControl {
                 .then_some(Event::FaultReactionCompleted),
             PowerState::Fault => (reset && !situation.fault_persists).then_some(Event::FaultReset),
             _ if !situation.operational => Some(Event::Command(Command::DisableVoltage)),
-            PowerState::QuickStopActive => self.event_in_quick_stop(situation, objects),
+            PowerState::QuickStopActive => self.event_in_quick_stop(command, situation, objects),
             _ if situation.emergency_stop => Some(Event::Command(Command::QuickStop)),
-            state => match (state, situation.controlword.command()?) {
+            state => match (state, command?) {
                 (PowerState::SwitchOnDisabled, Command::EnableOperation) => self.courtesy.then_some(Event::PowerUpEnable),
                 (PowerState::OperationEnabled, command) => {
                     let over = disable_stop(command, objects).is_none_or(|stop| self.stop_is_over(stop, situation));
@@ -122,8 +123,7 @@ impl PowerControl {
         !matches!(self.state, PowerState::QuickStopActive) || self.emergency || objects.quick_stop_option < 5
     }
 
-    fn event_in_quick_stop(&self, situation: &Situation, objects: &DriveObjects) -> Option<Event> {
-        let command = situation.controlword.command();
+    fn event_in_quick_stop(&self, command: Option<Command>, situation: &Situation, objects: &DriveObjects) -> Option<Event> {
         let stays = objects.quick_stop_option >= 5 && !self.emergency && !situation.emergency_stop;
         if command == Some(Command::DisableVoltage) {
             Some(Event::Command(Command::DisableVoltage))
@@ -150,8 +150,7 @@ impl PowerControl {
         self.state = next;
     }
 
-    fn activity(&mut self, situation: &Situation, objects: &DriveObjects) -> Activity {
-        let command = situation.controlword.command();
+    fn activity(&mut self, command: Option<Command>, situation: &Situation, objects: &DriveObjects) -> Activity {
         let stop = match self.state {
             PowerState::OperationEnabled => match command.and_then(|command| disable_stop(command, objects)) {
                 Some(stop) => stop,

@@ -63,6 +63,9 @@ impl Current {
             (self.idle_ticks + 1).min(wait + STANDBY_RAMP)
         };
         let fallen = self.idle_ticks.saturating_sub(wait);
+        if fallen == 0 {
+            return Milliamps(peak as i32);
+        }
         let standby = peak * u32::from(objects.idle_current.min(100)) / 100;
         Milliamps((peak - (peak - standby) * fallen / STANDBY_RAMP) as i32)
     }

@@ -1,6 +1,6 @@
 //! What the measured currents tell of faults: over-current and phase loss (manual 1.6, 2.3.1).
 
-use board::{ElectricalAngle, Sensors, TICKS_PER_SECOND};
+use board::{ElectricalAngle, Millivolts, TICKS_PER_SECOND};
 
 use crate::current_loop::{Direction, Phases, ampere};
 use crate::faults::Fault;
@@ -52,14 +52,14 @@ pub struct View {
 }
 
 impl View {
-    /// What `sensors` show of currents that follow `due`.
-    pub fn new(sensors: &Sensors, due: Option<CurrentVector>, objects: &DriveObjects) -> Self {
+    /// What currents in ampere and the supply show that follow `due`.
+    pub fn new(currents: [f32; 2], supply: Millivolts, due: Option<CurrentVector>, objects: &DriveObjects) -> Self {
         Self {
-            currents: sensors.phase_currents.map(ampere),
+            currents,
             phases: Phases::from_object(objects.motor_type),
             due,
             operating: f32::from(objects.peak_current) * 1e-3,
-            supply: sensors.bus_voltage.0 as f32 * 1e-3,
+            supply: supply.0 as f32 * 1e-3,
             // The gain is the inductance in microhenry.
             inductance: f32::from(objects.current_loop_kp) * 1e-6,
             harmonic: f32::from(objects.harmonic_amplitude) * 1e-3,
@@ -85,6 +85,7 @@ impl Protection {
     }
 
     /// Looks at a tick. The fault is told once; by the next tick the power stage is off.
+    #[inline]
     pub fn tick(&mut self, view: &View) -> Option<Fault> {
         let [first, second] = view.currents;
         let third = match view.phases {

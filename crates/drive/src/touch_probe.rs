@@ -127,7 +127,9 @@ impl TouchProbes {
         self.now.travel = motion.travel();
         self.now.travelled = self.now.travelled.wrapping_add(self.now.travel);
         self.now.instant.0 += TICK.0;
-        self.note(signals.differing, sensors);
+        if signals.differing != 0 {
+            self.note(signals.differing, sensors);
+        }
         let mut status = 0;
         for number in 0..PROBES {
             let function = Function((objects.probe_function >> (8 * number)) as u8);

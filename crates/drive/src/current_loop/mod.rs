@@ -28,7 +28,7 @@ mod regulator;
 mod ripple;
 mod vector;
 
-use board::{Milliamps, PowerStage, Sensors, TICKS_PER_SECOND};
+use board::{Milliamps, Millivolts, PowerStage, TICKS_PER_SECOND};
 
 use crate::objects::DriveObjects;
 use crate::power_stage::CurrentVector;
@@ -104,14 +104,15 @@ impl CurrentLoop {
         self.due = Some(command);
     }
 
-    /// The duties that bring the currents to `command` by the end of the tick.
+    /// The duties that bring the currents to `command` by the end of the tick; `currents` are those out of A+ and B+ in ampere.
     ///
     /// What is measured now is the end of the tick before, so the error is that against the vector of the tick before. The duties act in
     /// the PWM period after this tick, whose middle is a period and a half after the measurement; the voltage is turned by as much.
-    pub fn tick(&mut self, command: CurrentVector, sensors: &Sensors, settings: &Settings) -> PowerStage {
+    #[inline(always)]
+    pub fn tick(&mut self, command: CurrentVector, currents: [f32; 2], supply: Millivolts, settings: &Settings) -> PowerStage {
         let due = self.due.replace(command).unwrap_or(command);
         let turn = command.angle.0.wrapping_sub(due.angle.0) as i32;
-        let measured = settings.phases.current(sensors.phase_currents.map(ampere));
+        let measured = settings.phases.current(currents);
         let amplitude = ampere(due.amplitude);
         let growth = measured.dot(measured) - self.current.dot(self.current);
         let passed = Passed {
@@ -141,7 +142,7 @@ impl CurrentLoop {
                 (ahead, frame.into_frame(current.minus(measured)))
             }
         };
-        let bridge = Bridge::at(sensors.bus_voltage, settings.phases);
+        let bridge = Bridge::at(supply, settings.phases);
         let asked = self.regulator.voltage(error, &settings.gains);
         let wanted = ahead.out_of_frame(asked);
         let voltage = bridge.limited(wanted);

@@ -146,6 +146,7 @@ impl Homing {
     }
 
     /// Decides one tick. `position` is the commanded position now and `standing` whether it rests.
+    #[inline(always)]
     pub fn step(&mut self, signals: Signals, position: Position, standing: bool, parameters: &Parameters) -> Action {
         let outcome = self.decide(signals, position, standing);
         self.before = signals;

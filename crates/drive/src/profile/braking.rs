@@ -28,7 +28,8 @@ pub(super) fn stoppable(wanted: u64, remaining: u64, deceleration: u64) -> u64 {
 /// The factor covers the rounding of f32, and the addend more than what the series exceeds the integral by; so this decides only the
 /// effort, never the result.
 fn is_far(wanted: u64, remaining: u64, deceleration: u64) -> bool {
-    let (v, r, d) = (wanted as f32, remaining as f32, deceleration as f32);
+    // Speeds and decelerations are far below 2^63, and signed numbers become floats in one instruction.
+    let (v, r, d) = (wanted as i64 as f32, remaining as f32, deceleration as i64 as f32);
     2.0 * d * r > 1.000_01 * v * v + 5.0 * v * d
 }
 

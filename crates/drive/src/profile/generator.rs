@@ -98,7 +98,8 @@ impl Generator {
         self.position = position;
     }
 
-    /// Moves on by one tick.
+    /// Moves on by one tick. Inlined, it needs not put together the command only to take it apart.
+    #[inline(always)]
     pub fn step(&mut self, command: &Command) -> Progress {
         match *command {
             Command::MoveTo {
@@ -200,6 +201,7 @@ impl Generator {
     }
 
     /// One tick towards a point `remaining` sub-pulses away in direction `heading`.
+    #[inline(always)]
     fn travel(&mut self, heading: i64, limits: Limits, remaining: u64) {
         let velocity = self.velocity.sub_pulses_per_tick();
         // On the point itself, any motion leads away from it: it is treated as an approach with nothing remaining.
