@@ -82,6 +82,10 @@ impl Energy {
         let plant = view.plant();
         let config = plant.config();
         let source = f64::from(config.supply.0 + plant.faults().supply_offset.0) / 1000.0;
+        if self.shorted {
+            self.level = None;
+            return Ok(());
+        }
         if plant.bus_voltage() <= source {
             self.level = Some(*account);
             self.rounded_since_level = 0.0;
