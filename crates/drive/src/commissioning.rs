@@ -65,17 +65,27 @@ struct Registers {
     ki: u16,
 }
 
+/// Time constants of windings, in seconds, between which those of all motors of this class lie. A resistance that says otherwise, measured while the
+/// rotor still swung, is not believed.
+const TIME_CONSTANTS: (f32, f32) = (1e-3, 6e-3);
+
 impl Registers {
     fn of(winding: Winding, phases: Phases) -> Self {
+        let believed = match winding.settled {
+            true => winding.resistance,
+            false => winding
+                .resistance
+                .clamp(winding.inductance / TIME_CONSTANTS.1, winding.inductance / TIME_CONSTANTS.0),
+        };
         let transistors = match phases {
             Phases::Two => 2.0 * TRANSISTOR,
             Phases::Three => TRANSISTOR,
         };
         Self {
-            resistance: rounded((winding.resistance - transistors) * 1e3).clamp(100, 65_535),
+            resistance: rounded((believed - transistors) * 1e3).clamp(100, 65_535),
             inductance: rounded(winding.inductance * 1e3).min(10),
             kp: rounded(winding.inductance * 1e6).max(100),
-            ki: rounded(winding.resistance * 1e3 / 5.0).min(10_000),
+            ki: rounded(believed * 1e3 / 5.0).min(10_000),
         }
     }
 }

@@ -11,7 +11,7 @@ mod integration;
 
 use core::f64::consts::TAU;
 
-use board::{ELECTRICAL_PERIODS_PER_TURN, TICK, TICKS_PER_SECOND};
+use board::{ELECTRICAL_PERIODS_PER_TURN, TICK};
 
 use crate::angle::Angle;
 use crate::bridge::Applied;
@@ -25,7 +25,6 @@ use integration::{Integration, Variables};
 pub(crate) const PERIODS: f64 = ELECTRICAL_PERIODS_PER_TURN as f64;
 /// The step of the integration in seconds: one control tick.
 const STEP: f64 = TICK.0 as f64 * 1e-9;
-const STEPS_PER_SECOND: f64 = TICKS_PER_SECOND as f64;
 /// Speed in rad/s, 15 turns a second, from which on a tick takes two steps: the rotor's electrical angle then turns by a quarter of a radian a tick, and
 /// the error grows with the fourth power of that.
 const FAST: f64 = 15.0 * TAU;
@@ -157,28 +156,26 @@ impl Machine {
             applied,
         };
         let (motor, load) = (&mut state.motor, &mut state.load);
-        let (flux, charge) = if self.elastic {
+        let (flux, passed) = if self.elastic {
             let (speeds, turns) = ([motor.speed, load.speed], [motor.turns, load.turns]);
-            let (end, charge) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
+            let (end, passed) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
             ([motor.speed, load.speed], [motor.turns, load.turns]) = (end.speeds, end.turns);
-            (end.flux, charge)
+            (end.flux, passed)
         } else {
             let (speeds, turns) = ([motor.speed], [motor.turns]);
-            let (end, charge) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
+            let (end, passed) = integration.step(&Variables { flux, speeds, turns }, &angle, time);
             ([motor.speed], [motor.turns]) = (end.speeds, end.turns);
             (load.speed, load.turns) = (motor.speed, motor.turns);
-            (end.flux, charge)
+            (end.flux, passed)
         };
         let drag = self.dragged(&before, state) * time;
         let friction = self.rub(state, time);
         state.ended = Angle::new(state.motor.turns * PERIODS);
         state.motor.currents = coils.currents(flux, &state.ended);
-        let mean = charge.map(|charge| charge * (STEPS_PER_SECOND / part));
-        let dead = dot(mean, applied.dead(&self.windings, mean));
         Moved {
-            charge,
-            heat: coils.heat(mean, before.motor.currents, state.motor.currents) * self.power_factor * time,
-            dead: dead * self.power_factor * time,
+            charge: passed.charge,
+            heat: passed.heat * self.power_factor,
+            dead: passed.dead * self.power_factor,
             drag,
             friction,
         }
@@ -304,12 +301,6 @@ impl Machine {
 }
 
 impl<M: Linear> Coils<M> {
-    /// The heat of currents with this mean, in W, as if they had changed evenly.
-    fn heat(&self, mean: Vector, before: Vector, after: Vector) -> f64 {
-        let change = [after[0] - before[0], after[1] - before[1]];
-        dot(mean, self.resistance.times(mean)) + dot(change, self.resistance.times(change)) * (1.0 / 12.0)
-    }
-
     /// The flux through the windings, that of the magnets included.
     fn flux(&self, currents: Vector, angle: &Angle) -> Vector {
         let ([a, b], magnet) = (self.inductance.times(currents), self.magnet.times([angle.cosine, angle.sine]));

@@ -8,7 +8,7 @@ use plant::Phases;
 
 use super::motion::SUB_PULSES;
 use super::windings::is_broken;
-use super::{Verdict, View, must};
+use super::{TICK, Verdict, View, must};
 use crate::machine::motor_type;
 
 /// Bus voltages in mV and how many ticks in a row beyond them are a fault.
@@ -57,6 +57,9 @@ pub struct Alarms {
     angle: u32,
     /// Ticks since the field turned faster than any motor, or the load spun the shaft, up to [`FOLLOWED`].
     slow: u32,
+    /// Ticks since the shaft was slower than the field by more than [`DRIVEN`], up to [`FOLLOWED`]: out of step, the back-EMF comes and
+    /// goes, and drives up to more than twice the operating current.
+    in_step: u32,
 }
 
 impl Default for Alarms {
@@ -75,6 +78,7 @@ impl Default for Alarms {
             shorted: 0,
             angle: 0,
             slow: FOLLOWED,
+            in_step: FOLLOWED,
         }
     }
 }
@@ -119,6 +123,11 @@ impl Alarms {
         } else {
             (self.slow + 1).min(FOLLOWED)
         };
+        self.in_step = if (shaft - turns).abs().min((shaft + turns).abs()) > DRIVEN {
+            0
+        } else {
+            (self.in_step + 1).min(FOLLOWED)
+        };
         let broken = is_broken(&view.plant().faults());
         self.whole = if broken { 0 } else { (self.whole + 1).min(MENDED) };
     }
@@ -139,7 +148,7 @@ impl Alarms {
             0x3210 => self.low >= UNDERVOLTAGE.1,
             0x2211 => {
                 (self.over.count_ones() >= OVERCURRENT.1 || self.since_identifying <= VERDICT)
-                    && (unknown || self.slow < FOLLOWED || harmonic_is_high(view))
+                    && (unknown || self.slow < FOLLOWED || self.in_step < FOLLOWED || harmonic_is_high(view))
             }
             0x7122 => enabled && (unknown || self.slow < FOLLOWED),
             _ => false,
@@ -201,7 +210,7 @@ impl Alarms {
         }
         self.check_open(faults.open, vector, speed, view)?;
         // A short before the identification is found by that, or is what the gains are made for.
-        let shorted = (faults.shorted[0] || faults.shorted[1]) && self.identified && view.objects.auto_pi == 1;
+        let shorted = (faults.shorted[0] || faults.shorted[1]) && self.identified && view.objects.auto_pi == 1 && shows(view);
         self.shorted = if shorted { self.shorted + 1 } else { 0 };
         must(self.shorted <= SHORTED, || "a shorted winding is not found".into())
     }
@@ -230,6 +239,13 @@ impl Alarms {
         }
         Ok(())
     }
+}
+
+/// Whether a short takes the current beyond what the drive bears. The loop swings from one end of the voltage to the other, and the current
+/// by what the supply drives in a tick through the hundredth of the inductance that is left; a motor of many turns on a low supply stays below.
+fn shows(view: &View) -> bool {
+    let inductance = view.plant().config().motor.inductance / 100.0;
+    view.plant().bus_voltage() * TICK / inductance > 1.5e-3 * f64::from(OVERCURRENT.0)
 }
 
 /// Whether 0x200C:01 says what motor there is.

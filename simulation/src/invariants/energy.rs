@@ -6,9 +6,8 @@ use super::{TICK, Verdict, View, must};
 
 /// Ticks of a balance.
 const PERIOD: u32 = 997;
-/// The share of what has moved that the account may be wrong by, and an energy in J. It takes currents and speeds as changing evenly within
-/// a step, which those of a motor out of step do not; in step it closes within a thousandth.
-const CLOSES: (f64, f64) = (1e-2, 1e-4);
+/// The share of what has moved that the integration may be wrong by, and an energy in J.
+const CLOSES: (f64, f64) = (1e-3, 1e-4);
 
 /// The account as it was.
 #[derive(Clone, Debug, Default)]

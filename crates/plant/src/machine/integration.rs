@@ -9,7 +9,7 @@ use core::f64::consts::TAU;
 use super::{Machine, PERIODS, TURNS_PER_RADIAN};
 use crate::angle::Angle;
 use crate::bridge::Applied;
-use crate::windings::{Coils, Linear, Vector};
+use crate::windings::{Coils, Linear, Vector, dot};
 
 /// What is integrated: with one body the rotor and all that it drives, with two the rotor and the load.
 pub(super) struct Variables<const BODIES: usize> {
@@ -19,11 +19,23 @@ pub(super) struct Variables<const BODIES: usize> {
     pub(super) turns: [f64; BODIES],
 }
 
-/// The slopes of flux and speeds, and the currents, whose integral is the charge.
+/// The slopes of flux and speeds, and those of what a step moves.
 struct Slope<const BODIES: usize> {
     flux: Vector,
     speeds: [f64; BODIES],
+    /// The currents, whose integral is the charge.
     currents: Vector,
+    /// Power that resistances take, and what dead time keeps from the windings; with three phases two thirds of it.
+    heat: f64,
+    dead: f64,
+}
+
+/// What a step has moved through the windings.
+pub(super) struct Passed {
+    pub(super) charge: Vector,
+    /// Energies as the powers of [`Slope`].
+    pub(super) heat: f64,
+    pub(super) dead: f64,
 }
 
 /// What slopes come from.
@@ -34,9 +46,9 @@ pub(super) struct Integration<'a, M> {
 }
 
 impl<M: Linear> Integration<'_, M> {
-    /// The variables after a step that begins at this electrical angle, and the charge through the windings.
+    /// The variables after a step that begins at this electrical angle, and what has passed through the windings.
     #[inline(always)]
-    pub(super) fn step<const BODIES: usize>(&self, start: &Variables<BODIES>, angle: &Angle, time: f64) -> (Variables<BODIES>, Vector) {
+    pub(super) fn step<const BODIES: usize>(&self, start: &Variables<BODIES>, angle: &Angle, time: f64) -> (Variables<BODIES>, Passed) {
         let turned = |at: &Variables<BODIES>| angle.turned_to(at.turns[0] * PERIODS);
         let k1 = self.slope(start, angle);
         let second = start.ahead(&k1, &start.speeds, time / 2.0);
@@ -55,8 +67,12 @@ impl<M: Linear> Integration<'_, M> {
                 start.turns[at] + mean * (time * TURNS_PER_RADIAN)
             }),
         };
-        let charge = from_fn(|at| over(k1.currents[at], k2.currents[at], k3.currents[at], k4.currents[at]));
-        (end, charge)
+        let passed = Passed {
+            charge: from_fn(|at| over(k1.currents[at], k2.currents[at], k3.currents[at], k4.currents[at])),
+            heat: over(k1.heat, k2.heat, k3.heat, k4.heat),
+            dead: over(k1.dead, k2.dead, k3.dead, k4.dead),
+        };
+        (end, passed)
     }
 
     #[inline(always)]
@@ -69,6 +85,8 @@ impl<M: Linear> Integration<'_, M> {
             flux: from_fn(|at| self.applied.voltage[at] - dead[at] - ohmic[at]),
             speeds: self.machine.accelerations(torque, at),
             currents,
+            heat: dot(ohmic, currents),
+            dead: dot(dead, currents),
         }
     }
 }
