@@ -87,7 +87,8 @@ impl fmt::Display for Alarm {
 #[derive(Clone, Debug)]
 pub(crate) struct AlarmLed {
     alarm: Alarm,
-    ticks: u32,
+    /// Ticks in which it has told this: no drive runs for so long that they overflow.
+    ticks: u64,
 }
 
 impl AlarmLed {
@@ -101,11 +102,7 @@ impl AlarmLed {
 
     /// Lets a tick pass; what is new begins anew.
     pub(crate) fn tick(&mut self, alarm: Alarm) {
-        self.ticks = if alarm == self.alarm {
-            (self.ticks + 1) % alarm.period()
-        } else {
-            0
-        };
+        self.ticks = if alarm == self.alarm { self.ticks + 1 } else { 0 };
         self.alarm = alarm;
     }
 
@@ -114,7 +111,7 @@ impl AlarmLed {
     }
 
     pub(crate) const fn light(&self) -> Light {
-        self.alarm.light(self.ticks)
+        self.alarm.light((self.ticks % self.alarm.period() as u64) as u32)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Getting to know the motor at its first enabling: offsets, identification, gains (manual 2.2.11, 2.2.12).
 
-use board::{ElectricalAngle, Milliamps, Sensors};
+use board::{ElectricalAngle, Milliamps, Millivolts, Sensors};
 
 use crate::current_loop::auto_zero::AutoZero;
 use crate::current_loop::identification::{Identification, Outcome, Situation, Winding};
@@ -67,7 +67,7 @@ struct Registers {
 
 /// Time constants of windings, in seconds, between which those of all motors of this class lie. A resistance that says otherwise, measured while the
 /// rotor still swung, is not believed.
-const TIME_CONSTANTS: (f32, f32) = (1e-3, 6e-3);
+const TIME_CONSTANTS: (f32, f32) = (0.5e-3, 10e-3);
 
 impl Registers {
     fn of(winding: Winding, phases: Phases) -> Self {
@@ -108,12 +108,9 @@ impl Commissioning {
         identifies && !self.zero.is_known()
     }
 
-    /// What the sensors read but for their offsets.
-    pub fn corrected(&self, sensors: &Sensors) -> Sensors {
-        Sensors {
-            phase_currents: self.zero.corrected(sensors.phase_currents),
-            ..*sensors
-        }
+    /// What the current sensors read but for their offsets.
+    pub fn corrected(&self, phase_currents: [Milliamps; 2]) -> [Milliamps; 2] {
+        self.zero.corrected(phase_currents)
     }
 
     /// The circuit whose offset says that it is broken.
@@ -155,9 +152,16 @@ impl Commissioning {
         }
     }
 
-    /// One tick of the motor's first enabling; none if there is nothing to find out. A field that turns, as CSP may have it, ends the
+    /// One tick of the motor's first enabling, with the currents out of A+ and B+ in ampere, offsets taken off; none if there is nothing to find out. A field that turns, as CSP may have it, ends the
     /// identification: the motor is identified the next time.
-    pub fn tick(&mut self, angle: ElectricalAngle, moving: bool, sensors: &Sensors, objects: &DriveObjects) -> Option<Order> {
+    pub fn tick(
+        &mut self,
+        angle: ElectricalAngle,
+        moving: bool,
+        currents: [f32; 2],
+        supply: Millivolts,
+        objects: &DriveObjects,
+    ) -> Option<Order> {
         if objects.auto_pi == 0 || moving || self.known && matches!(self.progress, Progress::Ahead) {
             self.progress = Progress::Over;
         }
@@ -173,8 +177,8 @@ impl Commissioning {
         let phases = Phases::from_object(objects.motor_type);
         let amplitude = Milliamps(objects.peak_current.into());
         let situation = Situation {
-            current: phases.current(sensors.phase_currents.map(ampere)),
-            supply: sensors.bus_voltage.0.max(0) as f32 * 1e-3,
+            current: phases.current(currents),
+            supply: supply.0.max(0) as f32 * 1e-3,
             amplitude: ampere(amplitude),
             direction: Direction::of(angle.0),
             three_phases: phases == Phases::Three,
@@ -209,4 +213,26 @@ impl Commissioning {
 /// The nearest whole number.
 fn rounded(value: f32) -> u16 {
     (value + 0.5) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_resistance_measured_while_the_rotor_swung_is_believed_within_what_motors_have() {
+        let gains = |resistance, settled| {
+            let winding = Winding {
+                resistance,
+                inductance: 2.8e-3,
+                settled,
+            };
+            let registers = Registers::of(winding, Phases::Two);
+            (registers.kp, registers.ki, registers.resistance)
+        };
+        assert_eq!(gains(1.56, true), (2800, 312, 1500));
+        assert_eq!(gains(1.56, false), (2800, 312, 1500));
+        assert_eq!(gains(0.05, false), (2800, 56, 220));
+        assert_eq!(gains(50.0, false), (2800, 1120, 5540));
+    }
 }

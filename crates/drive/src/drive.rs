@@ -81,8 +81,7 @@ impl Drive {
         self.start_edge.observe(controlword);
 
         self.commissioning.observe(sensors, self.vector.is_some());
-        let sensors = &self.commissioning.corrected(sensors);
-        let currents = sensors.phase_currents.map(ampere);
+        let currents = self.commissioning.corrected(sensors.phase_currents).map(ampere);
         let activity = self.control_power(sensors, currents, controlword, objects);
         let mode_bits = self.act(activity, controlword, objects);
         self.clear_position(objects);
@@ -96,7 +95,7 @@ impl Drive {
         };
         let outputs = outputs::levels(indications, objects);
         objects.output_level = outputs::output_level(outputs);
-        self.publish(sensors, mode_bits, objects);
+        self.publish(sensors, currents, mode_bits, objects);
         self.alarm_led.tick(Alarm::of(self.power.state(), self.faults.latched()));
         Actuators { stage, outputs }
     }
@@ -298,7 +297,7 @@ impl Drive {
     fn drive_windings(&mut self, moving: bool, sensors: &Sensors, currents: [f32; 2], objects: &DriveObjects) -> PowerStage {
         let angle = self.field.angle();
         let settings = current_loop::Settings::from_objects(objects);
-        match self.commissioning.tick(angle, moving, sensors, objects) {
+        match self.commissioning.tick(angle, moving, currents, sensors.bus_voltage, objects) {
             Some(Order::Wait) => return PowerStage::Off,
             Some(Order::Fault(fault)) => {
                 self.met = Some(fault);
@@ -327,7 +326,7 @@ impl Drive {
     }
 
     /// Sets the objects that tell about the drive.
-    fn publish(&mut self, sensors: &Sensors, mode_bits: u16, objects: &mut DriveObjects) {
+    fn publish(&mut self, sensors: &Sensors, currents: [f32; 2], mode_bits: u16, objects: &mut DriveObjects) {
         self.commissioning.publish(objects);
         let state = self.power.state();
         let bus = sensors.bus_voltage;
@@ -346,7 +345,7 @@ impl Drive {
         objects.digital_inputs = self.signals.digital_inputs();
         objects.input_level = u16::from(sensors.inputs.0 & 0x3F);
         objects.bus_voltage = (bus.0 / 10).clamp(0, 0xFFFF) as u16;
-        objects.torque = torque(sensors.phase_currents, objects);
+        objects.torque = torque(currents, objects);
     }
 
     /// The value of 0x200F (manual 2.2.15).

@@ -4,7 +4,7 @@ use board::{ELECTRICAL_PERIODS_PER_TURN, ElectricalAngle, Milliamps, TICKS_PER_S
 
 use crate::current_loop::Phases;
 use crate::objects::DriveObjects;
-use crate::root::whole_root;
+use crate::root::square_root;
 
 /// Ticks in which the current falls to the standby current, 50 ms: slowly, so that the rotor settles without a jerk.
 const STANDBY_RAMP: u32 = TICKS_PER_SECOND / 20;
@@ -182,15 +182,11 @@ const fn period(resolution: u16) -> i64 {
     resolution * sub_pulses_per_pulse
 }
 
-/// The current vector's amplitude in per mille of the operating current.
-pub fn torque(phase_currents: [Milliamps; 2], objects: &DriveObjects) -> i16 {
-    let [first, second] = phase_currents.map(|current| current.0.clamp(-30_000, 30_000));
-    let across = match Phases::from_object(objects.motor_type) {
-        Phases::Two => second.unsigned_abs().pow(2),
-        Phases::Three => (first + 2 * second).unsigned_abs().pow(2) / 3,
-    };
-    let amplitude = whole_root((first.unsigned_abs().pow(2) + across).into());
-    (amplitude * 1000 / u32::from(objects.peak_current.max(1))).min(i16::MAX as u32) as i16
+/// The current vector's amplitude in per mille of the operating current, from the currents out of A+ and B+ in ampere.
+pub fn torque(currents: [f32; 2], objects: &DriveObjects) -> i16 {
+    let vector = Phases::from_object(objects.motor_type).current(currents);
+    let share = square_root(vector.dot(vector)) / f32::from(objects.peak_current.max(1));
+    (share * 1e6 + 0.5) as i16
 }
 
 #[cfg(test)]
