@@ -7,7 +7,7 @@ use super::{TICK, Verdict, View, must};
 /// Ticks of a balance.
 const PERIOD: u32 = 997;
 /// The share of what has moved that the integration may be wrong by, and an energy in J.
-const CLOSES: (f64, f64) = (1e-3, 1e-4);
+const CLOSES: (f64, f64) = (2e-3, 1e-4);
 
 /// The account as it was.
 #[derive(Clone, Debug, Default)]
