@@ -119,6 +119,7 @@ impl VirtualDrive {
     fn restart_device(&mut self) {
         self.device = Device::new(self.config.serial, &mut self.memory);
         self.actuators = Actuators::default();
+        self.motor = MotorWatch::default();
     }
 
     /// Simulates up to `now`: every control tick on the way, then what the master has asked since the last of them.

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use plant::motors::ALL;
 use plant::{Envelope, MotorParameters, Phases};
 
-use super::arguments::motor::{MotorAction, MotorOptions, MotorPullOut, MotorShow};
+use super::arguments::motor::{BenchOptions, MotorAction, MotorOptions, MotorPullOut, MotorShow};
 use crate::motor::pull_out::{self, Point};
 use crate::motor::{Motor, figures, number, picture, text};
 use crate::test_bench::Setup;
@@ -177,10 +177,10 @@ pub(super) struct Bench {
 
 impl Bench {
     /// What is not given is what the motor's file tells, or what is usual.
-    pub(super) fn of(motor: &Motor, supply: Option<f64>, current: Option<f64>, load_inertia: Option<f64>) -> Self {
-        let supply = supply.or(motor.supply).unwrap_or(USUAL_SUPPLY);
-        let current = current.unwrap_or(motor.parameters.rated_current.min(MOST_CURRENT));
-        let load_inertia = load_inertia.or(motor.load_inertia).unwrap_or(0.0);
+    pub(super) fn of(motor: &Motor, options: &BenchOptions) -> Self {
+        let supply = options.supply.or(motor.supply).unwrap_or(USUAL_SUPPLY);
+        let current = options.current.unwrap_or(motor.parameters.rated_current.min(MOST_CURRENT));
+        let load_inertia = options.load_inertia.or(motor.load_inertia).unwrap_or(0.0);
         Self {
             setup: Setup::of(&motor.parameters, supply, current).with_load_inertia(load_inertia),
             current,
@@ -194,7 +194,7 @@ impl Bench {
 }
 
 fn pull_out(options: &MotorPullOut) -> anyhow::Result<()> {
-    let Bench { setup, title, .. } = Bench::of(&options.motor, options.supply, options.current, options.load_inertia);
+    let Bench { setup, title, .. } = Bench::of(&options.motor, &options.bench);
     let unwritable = || {
         format!(
             "cannot write {}; choose another file with --output FILE.svg",

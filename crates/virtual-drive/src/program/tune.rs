@@ -35,7 +35,7 @@ pub(super) fn tune(options: &TuneOptions) -> anyhow::Result<()> {
 }
 
 fn vibration(options: &TuneVibration) -> anyhow::Result<()> {
-    let bench = Bench::of(&options.motor, options.supply, options.current, options.load_inertia);
+    let bench = Bench::of(&options.motor, &options.bench);
     let holding_torque = options.motor.parameters.holding_torque(bench.current);
     let load_torque = options.load_torque.unwrap_or(USUAL_LOAD * holding_torque);
     // Everything that can fail does so before the long work.

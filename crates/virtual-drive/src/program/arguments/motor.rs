@@ -92,12 +92,9 @@ pub struct MotorShow {
     pub toml: bool,
 }
 
-/// Options of `motor pull-out`.
+/// What is on a test bench with a motor.
 #[derive(Debug, Args)]
-pub struct MotorPullOut {
-    /// One of `usr2556e motor list`, or a TOML file as examples/motor.toml
-    #[arg(value_name = "NAME|FILE", value_parser = find_motor)]
-    pub motor: Motor,
+pub struct BenchOptions {
     /// Supply voltage, 18 to 50 [default: the motor file's, or 36]
     #[arg(long, value_name = "V", value_parser = working_supply)]
     pub supply: Option<f64>,
@@ -107,6 +104,17 @@ pub struct MotorPullOut {
     /// Inertia that turns with the shaft, 0 to 10000000 [default: the motor file's, or 0]
     #[arg(long, value_name = "G_CM2", value_parser = load_inertia)]
     pub load_inertia: Option<f64>,
+}
+
+/// Options of `motor pull-out`.
+#[derive(Debug, Args)]
+pub struct MotorPullOut {
+    /// One of `usr2556e motor list`, or a TOML file as examples/motor.toml
+    #[arg(value_name = "NAME|FILE", value_parser = find_motor)]
+    pub motor: Motor,
+    /// What is on the test bench with it.
+    #[command(flatten)]
+    pub bench: BenchOptions,
     /// Number of speeds
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u16).range(2..=500))]
     pub points: u16,
@@ -115,10 +123,10 @@ pub struct MotorPullOut {
     pub output: PathBuf,
 }
 
-pub(super) fn working_supply(text: &str) -> Result<f64, String> {
+fn working_supply(text: &str) -> Result<f64, String> {
     between(text, 18.0, 50.0)
 }
 
-pub(super) fn peak_current(text: &str) -> Result<f64, String> {
+fn peak_current(text: &str) -> Result<f64, String> {
     between(text, 0.1, 6.0)
 }

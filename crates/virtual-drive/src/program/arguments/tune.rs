@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Subcommand};
 
-use super::motor::{find_motor, load_inertia, peak_current, working_supply};
+use super::motor::{BenchOptions, find_motor};
 use super::{Bus, LOCAL_UDP, between};
 use crate::motor::Motor;
 
@@ -43,15 +43,9 @@ pub struct TuneVibration {
     /// One of `usr2556e motor list`, or a TOML file as examples/motor.toml
     #[arg(long, value_name = "NAME|FILE", value_parser = find_motor)]
     pub motor: Motor,
-    /// Supply voltage, 18 to 50 [default: the motor file's, or 36]
-    #[arg(long, value_name = "V", value_parser = working_supply)]
-    pub supply: Option<f64>,
-    /// Peak of the phase current, 0.1 to 6 (0x2000) [default: the motor's rated one, 6 at the most]
-    #[arg(long, value_name = "A", value_parser = peak_current)]
-    pub current: Option<f64>,
-    /// Inertia that turns with the shaft, 0 to 10000000 [default: the motor file's, or 0]
-    #[arg(long, value_name = "G_CM2", value_parser = load_inertia)]
-    pub load_inertia: Option<f64>,
+    /// What is on the test bench with it.
+    #[command(flatten)]
+    pub bench: BenchOptions,
     /// Torque of the load against the motion, 0 to 60 [default: a tenth of the motor's at this current]
     #[arg(long, value_name = "NM", value_parser = load_torque)]
     pub load_torque: Option<f64>,
