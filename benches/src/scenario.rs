@@ -20,6 +20,8 @@ use acts::{
 pub struct Scenario {
     /// Its name.
     pub name: &'static str,
+    /// How many instructions its worst tick may take.
+    pub limit: u64,
     /// How many ticks it lasts.
     pub ticks: u32,
     /// What happens before it and does not count.
@@ -58,10 +60,17 @@ impl Scenario {
     }
 }
 
+/// What a tick may take.
+const BUDGET: u64 = 2000;
+/// What a tick may take in which more comes together than at a machine: six inputs without a filter that all change within it and are all
+/// probes, or a change of mode in flight on top of all else.
+const EXTREME: u64 = 2200;
+
 /// All of them.
 pub const SCENARIOS: &[Scenario] = &[
     Scenario {
         name: "power-up and enabling",
+        limit: BUDGET,
         ticks: 3000,
         begin: || Core::new(axis()),
         before_tick: power_up,
@@ -69,6 +78,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "three phases, power-up and PP",
+        limit: EXTREME,
         ticks: 6000,
         begin: || Core::new(three_phase_axis()),
         before_tick: three_phases,
@@ -76,6 +86,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "standing, parameters changing",
+        limit: BUDGET,
         ticks: 1200,
         begin: || enabled(mode::PROFILE_POSITION),
         before_tick: parameters,
@@ -83,6 +94,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "PP, set-points on the fly",
+        limit: BUDGET,
         ticks: 4800,
         begin: || enabled(mode::PROFILE_POSITION),
         before_tick: profile_position,
@@ -90,6 +102,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "PV, reversals and halts",
+        limit: BUDGET,
         ticks: 5000,
         begin: || enabled(mode::PROFILE_VELOCITY),
         before_tick: profile_velocity,
@@ -97,6 +110,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "CSP, 1 ms",
+        limit: BUDGET,
         ticks: 4000,
         begin: || enabled(mode::CYCLIC_POSITION),
         before_tick: cyclic_1_ms,
@@ -104,6 +118,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "CSP, 500 us, late and missing",
+        limit: BUDGET,
         ticks: 3000,
         begin: || enabled(mode::CYCLIC_POSITION),
         before_tick: cyclic_500_us,
@@ -111,6 +126,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "homing, turned at a limit",
+        limit: BUDGET,
         ticks: 11_000,
         begin: || homing(24),
         before_tick: start_once,
@@ -118,6 +134,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "homing, switch inside",
+        limit: BUDGET,
         ticks: 10_000,
         begin: || homing(30),
         before_tick: start_once,
@@ -125,6 +142,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "modes changing in flight",
+        limit: EXTREME,
         ticks: 3600,
         begin: || enabled(mode::PROFILE_VELOCITY),
         before_tick: changing_modes,
@@ -132,6 +150,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "faults and stops",
+        limit: BUDGET,
         ticks: 8000,
         begin: || enabled(mode::PROFILE_VELOCITY),
         before_tick: faults,
@@ -139,6 +158,7 @@ pub const SCENARIOS: &[Scenario] = &[
     },
     Scenario {
         name: "all inputs at once, in PP",
+        limit: EXTREME,
         ticks: 3000,
         begin: all_inputs_ready,
         before_tick: all_inputs,
