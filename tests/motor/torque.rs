@@ -1,5 +1,7 @@
 //! How much load a motor carries, and how fast it turns before it falls out of step.
 
+use plant::{Envelope, motors};
+
 use crate::axis::Axis;
 
 /// An axis whose drive knows the motor's back-EMF.
@@ -62,6 +64,21 @@ fn pull_out_torque_reaches_the_envelope_of_voltage_and_current() {
             bounds.contains(&share),
             "{name} {supply} V, {speed} turns/s: {share:.3} of the envelope"
         );
+    }
+}
+
+#[test]
+fn at_2_turns_a_second_every_motor_carries_what_its_current_gives() {
+    for named in motors::ALL {
+        for supply in [24.0, 48.0] {
+            let axis = tuned(named.name, supply);
+            let current = f64::from(axis.objects.peak_current) / 1000.0;
+            let envelope = Envelope::new(&named.parameters, supply, current);
+            // A motor of many turns behind a low supply has left its corner behind.
+            let bounds = if envelope.corner_speed() > 2.0 { 0.98..1.02 } else { 0.95..1.3 };
+            let share = pull_out(axis, 2.0) / envelope.torque_at(2.0);
+            assert!(bounds.contains(&share), "{} {supply} V: {share:.3} of the envelope", named.name);
+        }
     }
 }
 

@@ -39,7 +39,7 @@ pub struct Outcome {
     pub report: Report,
     /// The capture of everything on the wire.
     pub capture: PathBuf,
-    /// The picture of positions, velocities, lag and currents.
+    /// The picture of positions, velocities, lag, torque in reserve, currents and bus.
     pub picture: PathBuf,
 }
 

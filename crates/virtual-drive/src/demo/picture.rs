@@ -1,11 +1,11 @@
-//! The picture of a demonstration: commanded and actual position and velocity, lag and currents over time.
+//! The picture of a demonstration: commanded and actual position and velocity, lag, torque in reserve, currents and bus over time.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
-use super::samples::{Sample, Samples};
+use super::samples::{Phase, Sample, Samples};
 
-const SIZE: (u32, u32) = (1200, 1500);
+const SIZE: (u32, u32) = (1200, 2250);
 /// Velocities are taken over this many cycles, so that whole pulses a cycle do not show as steps.
 const VELOCITY_WINDOW: usize = 8;
 
@@ -34,7 +34,9 @@ pub fn draw(samples: &Samples) -> anyhow::Result<String> {
             ("Position", "pulses", positions(samples)),
             ("Velocity", "pulses/s", velocities(samples)),
             ("Lag of the shaft behind the field", "electrical degrees", lags(samples)),
+            ("Torque in reserve", "% of the pull-out torque", reserves(samples)),
             ("Currents", "A", currents(samples)),
+            ("Voltage at the power stage", "V", voltages(samples)),
         ];
         for (area, (title, unit, curves)) in area.split_evenly((charts.len(), 1)).iter().zip(&charts) {
             chart(area, title, unit, curves)?;
@@ -83,10 +85,30 @@ fn velocities(samples: &Samples) -> Vec<Curve> {
     [commanded, shaft].map(derivative).into()
 }
 
-/// Beyond 90 degrees the motor falls out of step.
+/// Beyond 90 degrees the motor falls out of step; each period lost after homing adds 360.
 fn lags(samples: &Samples) -> Vec<Curve> {
-    vec![curve(samples, "lag; the motor gives all its torque at 90", RED_INK, 1, |sample| {
-        Some(sample.motor.lag * 360.0)
+    let lost_before = samples.of(Phase::Homing).last().map_or(0, |sample| sample.motor.lost_periods);
+    vec![curve(
+        samples,
+        "lag; all torque at 90, a lost period is 360",
+        RED_INK,
+        1,
+        |sample| {
+            let periods = (sample.motor.lost_periods - lost_before) as f64 + sample.motor.lag;
+            Some(periods * 360.0)
+        },
+    )]
+}
+
+fn reserves(samples: &Samples) -> Vec<Curve> {
+    vec![curve(samples, "at this speed, current and voltage", BLUE_INK, 1, |sample| {
+        sample.motor.torque_reserve.map(|reserve| reserve * 100.0)
+    })]
+}
+
+fn voltages(samples: &Samples) -> Vec<Curve> {
+    vec![curve(samples, "bus", RGBColor(40, 40, 40), 1, |sample| {
+        Some(sample.motor.bus_voltage)
     })]
 }
 

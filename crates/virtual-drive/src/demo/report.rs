@@ -14,16 +14,18 @@ pub struct Report {
     pub move_end: i32,
     /// Largest distance of the shaft from the drive's commanded position while it moved after homing.
     pub shaft_lag: f64,
+    /// The same at the end, at rest.
+    pub shaft_error: f64,
     /// Largest lag of the shaft behind the field while it moved after homing, in electrical degrees: at 90 the motor gives all its torque.
     pub field_lag: f64,
     /// Smallest torque reserve while it moved after homing, from 0 to 1.
     pub torque_reserve: f64,
     /// Lowest and highest voltage at the power stage in V, and the greatest current out of the supply in A.
     pub bus: (f64, f64, f64),
+    /// Greatest current of a winding in A.
+    pub phase_current: f64,
     /// Electrical periods lost from the end of homing to the end.
     pub lost_periods: i64,
-    /// The same at the end, at rest.
-    pub shaft_error: f64,
     /// Largest difference of 0x607A and 0x6064 on the sine.
     pub following_error: i32,
     /// Number of cycles.
@@ -46,6 +48,11 @@ impl Report {
             field_lag: moving().map(|sample| sample.motor.lag.abs() * 360.0).fold(0.0, f64::max),
             torque_reserve: moving().filter_map(|sample| sample.motor.torque_reserve).fold(1.0, f64::min),
             bus: bus(samples),
+            phase_current: samples
+                .cycles
+                .iter()
+                .flat_map(|sample| sample.motor.currents)
+                .fold(0.0, |most, current| f64::max(most, current.abs())),
             lost_periods: lost(samples.cycles.last()) - lost(samples.of(Phase::Homing).last()),
             shaft_error: last(Phase::Disabling).as_ref().map_or(0.0, lag),
             following_error: samples.of(Phase::CyclicPosition).map(following).max().unwrap_or(0),
@@ -126,7 +133,8 @@ impl fmt::Display for Report {
         let (low, high, current) = self.bus;
         writeln!(
             f,
-            "  power stage       {low:.1} to {high:.1} V, at most {current:.2} A out of the supply"
+            "  power stage       {low:.1} to {high:.1} V, at most {current:.2} A out of the supply and {:.2} A in a winding",
+            self.phase_current
         )?;
         write!(
             f,
@@ -189,7 +197,7 @@ mod tests {
         assert_eq!((report.home, report.move_end, report.following_error), ((-29, 10_000.0), 30_000, 7));
         assert!((report.shaft_lag - 4.5).abs() < 1e-6 && report.shaft_error.abs() < 1e-6);
         assert!((report.field_lag - 36.0).abs() < 1e-9);
-        assert_eq!(report.bus, (36.0, 36.0, 0.5));
+        assert_eq!((report.bus, report.phase_current), ((36.0, 36.0, 0.5), 2.0));
         assert_eq!((report.torque_reserve, report.lost_periods, report.cycles), (0.4, 0, 4));
         assert_eq!(report.lateness, (1.0, 1.0, 1.0));
     }
