@@ -1,8 +1,9 @@
 //! A drive and a motor, with nothing but a bridge and a supply without losses between them.
 
 use board::{Millivolts, Sensors};
-use drive::{CurrentVector, Drive, DriveObjects, PowerState};
+use drive::{Drive, DriveObjects, PowerState};
 use plant::{BridgeParameters, Faults, Load, MotorParameters, MotorState, Phases, Plant, PlantConfig, SupplyParameters, Travel, Turns};
+use usr2556e::synchronism::Synchronism;
 
 const PULSES_PER_TURN: f64 = 10_000.0;
 /// No switch and no stop is as far away.
@@ -16,9 +17,7 @@ pub struct Axis {
     sensors: Sensors,
     /// Torque in Nm against positive motion.
     pub load: f64,
-    /// Where the drive has commanded the shaft to be, in turns.
-    pub commanded: f64,
-    angle: Option<u32>,
+    synchronism: Synchronism,
 }
 
 impl Axis {
@@ -51,8 +50,7 @@ impl Axis {
             sensors: plant.sensors(),
             plant,
             load: 0.0,
-            commanded: 0.0,
-            angle: None,
+            synchronism: Synchronism::default(),
         }
     }
 
@@ -85,10 +83,8 @@ impl Axis {
             self.plant.set_load_torque(self.load);
         }
         self.sensors = self.plant.step(&actuators);
-        if let Some(CurrentVector { angle, .. }) = self.drive.current_vector() {
-            let before = self.angle.replace(angle.0).unwrap_or(angle.0);
-            self.commanded += f64::from(angle.0.wrapping_sub(before) as i32) / 2f64.powi(32) / 50.0;
-        }
+        let locked = self.drive.is_shaft_locked();
+        self.synchronism.observe(self.drive.current_vector(), locked, self.plant.shaft());
     }
 
     pub fn ticks(&mut self, count: usize) {
@@ -117,7 +113,7 @@ impl Axis {
 
     /// Electrical periods by which the shaft is behind the command.
     pub fn lag(&self) -> f64 {
-        (self.commanded - self.plant.shaft().0) * 50.0
+        self.synchronism.behind()
     }
 
     /// Whether the shaft is still in the electrical period it belongs to.

@@ -16,6 +16,7 @@
 //! | [`namespace`] | a network of one's own without root |
 //! | [`master`] | the built-in master |
 //! | [`motor`] | motors by name and by file, and their torque at each speed |
+//! | `curves` | curves with a legend, for all pictures |
 //! | [`demo`] | the demonstration |
 //! | [`esi`] | the device description for engineering tools |
 //! | [`flash`] | the memory of a drive's parameters |
@@ -42,6 +43,7 @@ pub mod breakdown;
 pub mod cables;
 pub mod clock;
 pub mod control;
+mod curves;
 pub mod demo;
 pub mod drive;
 pub mod esi;

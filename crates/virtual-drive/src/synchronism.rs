@@ -37,8 +37,13 @@ impl Synchronism {
         self.lost_before + self.lost
     }
 
+    /// By how much the shaft is behind the field since it was locked, in electrical periods: lost ones count on.
+    pub const fn behind(&self) -> f64 {
+        self.lost as f64 + self.lag
+    }
+
     /// Looks at the end of a tick; `locked` is whether the shaft lock is over.
-    pub(crate) fn observe(&mut self, vector: Option<CurrentVector>, locked: bool, shaft: Turns) {
+    pub fn observe(&mut self, vector: Option<CurrentVector>, locked: bool, shaft: Turns) {
         let Some(CurrentVector { angle, .. }) = vector else {
             *self = Self {
                 lost_before: self.lost_periods(),

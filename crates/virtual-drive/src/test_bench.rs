@@ -27,11 +27,10 @@ use plant::{BridgeParameters, Load, MotorParameters, Plant, PlantConfig, SupplyP
 
 use crate::motor::commissioning::Commissioning;
 
+use crate::synchronism::Synchronism;
+
 /// Electrical periods in a turn.
 const PERIODS: f64 = board::ELECTRICAL_PERIODS_PER_TURN as f64;
-
-/// 2^32 of the units of an electrical angle are a period.
-const ANGLE_UNITS: f64 = (1_u64 << 32) as f64;
 
 /// A rotor further than this from the commanded field, in electrical periods, has lost a period or more: in step it is within a half, and
 /// after a loss beyond three quarters.
@@ -153,9 +152,7 @@ pub struct TestBench {
     objects: DriveObjects,
     plant: Plant,
     sensors: Sensors,
-    /// The commanded angle in the last tick, and all of its travel in 2^-32 periods.
-    angle: u32,
-    travel: i64,
+    synchronism: Synchronism,
     is_out_of_step: bool,
 }
 
@@ -171,8 +168,7 @@ impl TestBench {
             objects: setup.objects.clone(),
             sensors: plant.sensors(),
             plant,
-            angle: 0,
-            travel: 0,
+            synchronism: Synchronism::default(),
             is_out_of_step: false,
         };
         bench.drive.set_network(true);
@@ -204,10 +200,8 @@ impl TestBench {
     pub fn tick(&mut self) -> Seen {
         let actuators = self.drive.tick(&self.sensors, &mut self.objects);
         self.sensors = self.plant.step(&actuators);
-        if let Some(vector) = self.drive.current_vector() {
-            self.travel += i64::from(vector.angle.0.wrapping_sub(self.angle) as i32);
-            self.angle = vector.angle.0;
-        }
+        let locked = self.drive.is_shaft_locked();
+        self.synchronism.observe(self.drive.current_vector(), locked, self.plant.shaft());
         let seen = self.seen();
         self.is_out_of_step |= seen.lag.abs() > OUT_OF_STEP;
         seen
@@ -267,13 +261,13 @@ impl TestBench {
 
     /// What there is to see now.
     pub fn seen(&self) -> Seen {
-        let commanded = self.travel as f64 / ANGLE_UNITS / PERIODS;
         let motor = self.plant.motor();
         let shaft = motor.turns - self.plant.config().start.0;
+        let lag = self.synchronism.behind();
         Seen {
-            commanded,
+            commanded: shaft + lag / PERIODS,
             shaft,
-            lag: (commanded - shaft) * PERIODS,
+            lag,
             speed: motor.speed / std::f64::consts::TAU,
         }
     }

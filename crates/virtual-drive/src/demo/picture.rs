@@ -4,6 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::samples::{Phase, Sample, Samples};
+use crate::curves::{self, Curve};
 
 const SIZE: (u32, u32) = (1200, 2250);
 /// Velocities are taken over this many cycles, so that whole pulses a cycle do not show as steps.
@@ -11,14 +12,6 @@ const VELOCITY_WINDOW: usize = 8;
 
 const BLUE_INK: RGBColor = RGBColor(31, 119, 180);
 const RED_INK: RGBColor = RGBColor(214, 39, 40);
-
-/// A curve: name, colour, points of (seconds, value).
-struct Curve {
-    name: &'static str,
-    color: RGBColor,
-    width: u32,
-    points: Vec<(f64, f64)>,
-}
 
 /// Draws the picture as SVG.
 ///
@@ -137,8 +130,8 @@ fn derivative(position: Curve) -> Curve {
     }
 }
 
-fn chart(area: &DrawingArea<SVGBackend, Shift>, title: &str, unit: &str, curves: &[Curve]) -> anyhow::Result<()> {
-    let all = || curves.iter().flat_map(|curve| &curve.points);
+fn chart(area: &DrawingArea<SVGBackend, Shift>, title: &str, unit: &str, drawn: &[Curve]) -> anyhow::Result<()> {
+    let all = || drawn.iter().flat_map(|curve| &curve.points);
     let end = all().map(|point| point.0).fold(0.0, f64::max);
     let (low, high) = all().fold((f64::MAX, f64::MIN), |(low, high), point| (low.min(point.1), high.max(point.1)));
     let margin = ((high - low) * 0.05).max(1.0);
@@ -154,17 +147,5 @@ fn chart(area: &DrawingArea<SVGBackend, Shift>, title: &str, unit: &str, curves:
         .y_desc(unit)
         .light_line_style(WHITE)
         .draw()?;
-    for curve in curves {
-        let style = curve.color.stroke_width(curve.width);
-        chart
-            .draw_series(LineSeries::new(curve.points.iter().copied(), style))?
-            .label(curve.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
-    }
-    chart
-        .configure_series_labels()
-        .background_style(WHITE.mix(0.8))
-        .border_style(RGBColor(200, 200, 200))
-        .draw()?;
-    Ok(())
+    curves::draw(&mut chart, drawn)
 }

@@ -4,6 +4,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 
 use super::{Comparison, Ripple, Tuning};
+use crate::curves::{self, Curve};
 
 const SIZE: (u32, u32) = (1000, 1000);
 const BEFORE: RGBColor = RGBColor(214, 39, 40);
@@ -93,19 +94,16 @@ impl Chart {
             let style = RGBColor(200, 200, 200).stroke_width(1);
             chart.draw_series(LineSeries::new([(mark, low), (mark, high)], style))?;
         }
-        for ((points, name), color) in self.curves.iter().zip(NAMES).zip([BEFORE, AFTER]) {
-            let style = color.stroke_width(2);
-            chart
-                .draw_series(LineSeries::new(points.iter().copied(), style))?
-                .label(name)
-                .legend(move |(x, y)| PathElement::new([(x, y), (x + 24, y)], style));
-        }
-        chart
-            .configure_series_labels()
-            .background_style(WHITE.mix(0.8))
-            .border_style(RGBColor(200, 200, 200))
-            .draw()?;
-        Ok(())
+        let curves = self.curves.iter().zip(NAMES).zip([BEFORE, AFTER]);
+        let curves: Vec<Curve> = curves
+            .map(|((points, name), color)| Curve {
+                name,
+                color,
+                width: 2,
+                points: points.clone(),
+            })
+            .collect();
+        curves::draw(&mut chart, &curves)
     }
 }
 
